@@ -1,0 +1,213 @@
+//! The outside world as one trait: reading an asset, printing, being asked to stop, handing over a picture.
+//!
+//! The library opens no path by itself. [`DirHost`] is the host of the command: it reads regular files below
+//! one folder and nothing else.
+
+use std::{
+    fs,
+    io::Read,
+    path::{Component, Path, PathBuf},
+};
+
+use crate::{
+    diag::ErrorKind,
+    render::{Image, Progress},
+};
+
+/// Why a host did not do as asked.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct HostError {
+    /// [`ErrorKind::Input`], [`ErrorKind::Denied`], [`ErrorKind::Limit`] or [`ErrorKind::Output`].
+    pub kind: ErrorKind,
+    /// What went wrong, for people.
+    pub message: String,
+}
+
+impl HostError {
+    /// An error of the given kind.
+    #[must_use]
+    pub fn new(kind: ErrorKind, message: impl Into<String>) -> Self {
+        Self {
+            kind,
+            message: message.into(),
+        }
+    }
+}
+
+/// Everything a script can reach outside itself.
+pub trait Host: Send + Sync {
+    /// The bytes of the asset `path`, a relative path with `/` as written in the script, already resolved
+    /// against the file that names it. At most `max_bytes`.
+    ///
+    /// # Errors
+    /// `Denied` outside what the host allows, `Input` where there is no such file, `Limit` past `max_bytes`.
+    fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, HostError>;
+
+    /// Receives a line that the script printed.
+    fn print(&self, text: &str) {
+        let _ = text;
+    }
+
+    /// Asked often while a script runs and between tiles; true ends the run with `ErrorKind::Cancelled`.
+    fn should_stop(&self) -> bool {
+        false
+    }
+
+    /// Told now and then how far the render is, from any of its threads.
+    fn progress(&self, progress: &Progress) {
+        let _ = progress;
+    }
+
+    /// Receives a picture that the script rendered under a name of its own: `render("name.png")`.
+    ///
+    /// # Errors
+    /// `Output` where it cannot be kept, `Denied` where the host does not take pictures.
+    fn write_image(&self, name: &str, image: &Image) -> Result<(), HostError> {
+        let _ = image;
+        Err(HostError::new(
+            ErrorKind::Denied,
+            format!("this host takes no pictures named by the script ('{name}')"),
+        ))
+    }
+}
+
+/// A host without a world: nothing can be read, nothing is printed.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoHost;
+
+impl Host for NoHost {
+    fn read(&self, path: &str, _max_bytes: u64) -> Result<Vec<u8>, HostError> {
+        Err(HostError::new(
+            ErrorKind::Denied,
+            format!("this host has no files ('{path}')"),
+        ))
+    }
+}
+
+/// Reads regular files below one folder, links followed only as long as they stay below it.
+#[derive(Clone, Debug)]
+pub struct DirHost {
+    root: PathBuf,
+}
+
+impl DirHost {
+    /// A host that reads below `root`, usually the folder of the script.
+    #[must_use]
+    pub fn new(root: impl Into<PathBuf>) -> Self {
+        Self { root: root.into() }
+    }
+
+    /// The folder that may be read.
+    #[must_use]
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+}
+
+impl Host for DirHost {
+    fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, HostError> {
+        read_below(&self.root, path, max_bytes)
+    }
+}
+
+/// Reads the regular file `path` below `root`.
+///
+/// # Errors
+/// As [`Host::read`].
+pub fn read_below(root: &Path, path: &str, max_bytes: u64) -> Result<Vec<u8>, HostError> {
+    let denied = |why: &str| Err(HostError::new(ErrorKind::Denied, format!("'{path}' {why}")));
+    let relative = Path::new(path);
+    let mut depth = 0i32;
+    for component in relative.components() {
+        match component {
+            Component::Normal(_) => depth += 1,
+            Component::CurDir => {}
+            Component::ParentDir => depth -= 1,
+            Component::RootDir | Component::Prefix(_) => {
+                return denied("is an absolute path; only files below the script's folder can be read");
+            }
+        }
+        if depth < 0 {
+            return denied("is outside the script's folder; only files below it can be read");
+        }
+    }
+    let cannot = |e: &std::io::Error| {
+        let reason = match e.kind() {
+            std::io::ErrorKind::NotFound => "no such file".to_owned(),
+            _ => e.to_string(),
+        };
+        HostError::new(ErrorKind::Input, format!("cannot read '{path}': {reason}"))
+    };
+    let root = if root.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        root
+    };
+    let real_root = fs::canonicalize(root).map_err(|e| cannot(&e))?;
+    let real = fs::canonicalize(root.join(relative)).map_err(|e| cannot(&e))?;
+    if !real.starts_with(&real_root) {
+        return denied("leads outside the script's folder; only files below it can be read");
+    }
+    // Looked at before it is opened: opening a pipe would wait for its other end.
+    let metadata = fs::metadata(&real).map_err(|e| cannot(&e))?;
+    if !metadata.is_file() {
+        return denied("is not a regular file");
+    }
+    let over = || {
+        HostError::new(
+            ErrorKind::Limit,
+            format!("'{path}' is larger than the limit of {max_bytes} bytes for one file"),
+        )
+    };
+    if metadata.len() > max_bytes {
+        return Err(over());
+    }
+    let mut bytes = Vec::new();
+    let file = fs::File::open(&real).map_err(|e| cannot(&e))?;
+    file.take(max_bytes.saturating_add(1))
+        .read_to_end(&mut bytes)
+        .map_err(|e| cannot(&e))?;
+    if bytes.len() as u64 > max_bytes {
+        return Err(over());
+    }
+    Ok(bytes)
+}
+
+/// The path of an asset that the file `named_in` names as `path`: relative to that file's folder, as a
+/// relative path with `/`.
+#[must_use]
+pub fn resolve(named_in: &str, path: &str) -> String {
+    let path = path.replace('\\', "/");
+    match named_in.rfind('/') {
+        Some(end) if !path.starts_with('/') => format!("{}/{path}", &named_in[..end]),
+        _ => path,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn assets_resolve_from_the_file_that_names_them() {
+        assert_eq!(resolve("models/cow.obj", "cow.mtl"), "models/cow.mtl");
+        assert_eq!(resolve("scene.rhai", "a/b.png"), "a/b.png");
+        assert_eq!(resolve("models/cow.mtl", "tex\\cow.png"), "models/tex/cow.png");
+    }
+
+    #[test]
+    fn nothing_outside_the_root_is_read() {
+        let root = std::env::temp_dir().join(format!("rtscript-host-{}", std::process::id()));
+        fs::create_dir_all(root.join("inside")).unwrap();
+        fs::write(root.join("secret.txt"), "no").unwrap();
+        fs::write(root.join("inside/a.txt"), "yes").unwrap();
+        let host = DirHost::new(root.join("inside"));
+        assert_eq!(host.read("a.txt", 10).unwrap(), b"yes");
+        for bad in ["../secret.txt", "a/../../secret.txt", "/etc/passwd", "."] {
+            assert_eq!(host.read(bad, 10).unwrap_err().kind, ErrorKind::Denied, "{bad}");
+        }
+        assert_eq!(host.read("b.txt", 10).unwrap_err().kind, ErrorKind::Input);
+        assert_eq!(host.read("a.txt", 2).unwrap_err().kind, ErrorKind::Limit);
+        fs::remove_dir_all(root).unwrap();
+    }
+}

@@ -1,0 +1,21 @@
+//! Pictures written as code: an embeddable scene-scripting ray tracer.
+//!
+//! ```text
+//! source text -> script -> scene::Builder -> Scene -> render -> Image -> output
+//! ```
+
+pub mod color;
+pub mod diag;
+pub mod host;
+pub mod limits;
+pub mod math;
+pub mod render;
+pub mod scene;
+pub mod shape;
+
+pub use diag::{Diagnostic, Error, ErrorKind, Report};
+pub use host::{DirHost, Host, HostError, NoHost};
+pub use limits::Limits;
+pub use math::DVec3;
+pub use render::{Image, RenderOptions, Rendered, render};
+pub use scene::{Builder, Material, Scene, SceneError, Term};

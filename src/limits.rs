@@ -1,0 +1,114 @@
+//! How much a script may use: one struct, every limit with its default and its own error.
+
+use std::time::Duration;
+
+/// Upper bounds on what a script and the scene it builds may use. Each has an error of its own that names the
+/// limit, its value and the line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Limits {
+    /// Bytes of script text. Default: 4 MiB.
+    pub source_bytes: usize,
+    /// Operations of the script. Default: 500 million.
+    pub operations: u64,
+    /// Time the script may run, rendering not counted. Default: 60 s.
+    pub script_time: Duration,
+    /// Script functions calling one another. Default: 64.
+    pub call_levels: usize,
+    /// Nesting of expressions. Default: 64.
+    pub expression_depth: usize,
+    /// Bytes of one string. Default: 1 MiB.
+    pub string_bytes: usize,
+    /// Elements of one array. Default: 2 million (a mesh from arrays is one array).
+    pub array_len: usize,
+    /// Entries of one map. Default: 10,000.
+    pub map_len: usize,
+    /// Variables in scope. Default: 5,000.
+    pub variables: usize,
+    /// Functions a script defines. Default: 1,000.
+    pub functions: usize,
+    /// Levels of `pushTransform` and `group`. Default: 1,024.
+    pub transform_depth: usize,
+    /// Shapes, triangles of meshes counted each, instances counted once. Default: 20 million.
+    pub primitives: usize,
+    /// Lights. Default: 4,096.
+    pub lights: usize,
+    /// Files read. Default: 1,024.
+    pub files: usize,
+    /// Bytes of one file read. Default: 1 GiB.
+    pub file_bytes: u64,
+    /// Edge of a texture in texels. Default: 16,384.
+    pub texture_side: u32,
+    /// Bytes an image decoder may take. Default: 1 GiB.
+    pub decode_bytes: u64,
+    /// Edge of the picture in pixels. Default: 32,768.
+    pub image_side: u32,
+    /// Pixels of the picture. Default: 256 million.
+    pub pixels: u64,
+    /// Rays per pixel. Default: 65,536.
+    pub samples: u32,
+    /// Secondary bounces. Default: 64, also the largest that can be asked for.
+    pub depth: u32,
+    /// Bytes a script may print. Default: 16 MiB.
+    pub print_bytes: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            source_bytes: 4 << 20,
+            operations: 500_000_000,
+            script_time: Duration::from_secs(60),
+            call_levels: 64,
+            expression_depth: 64,
+            string_bytes: 1 << 20,
+            array_len: 2_000_000,
+            map_len: 10_000,
+            variables: 5_000,
+            functions: 1_000,
+            transform_depth: 1_024,
+            primitives: 20_000_000,
+            lights: 4_096,
+            files: 1_024,
+            file_bytes: 1 << 30,
+            texture_side: 16_384,
+            decode_bytes: 1 << 30,
+            image_side: 32_768,
+            pixels: 256_000_000,
+            samples: 65_536,
+            depth: 64,
+            print_bytes: 16 << 20,
+        }
+    }
+}
+
+impl Limits {
+    /// Limits for scripts of strangers: seconds of work, megabytes of data.
+    #[must_use]
+    pub fn untrusted() -> Self {
+        Self {
+            source_bytes: 256 << 10,
+            operations: 10_000_000,
+            script_time: Duration::from_secs(5),
+            call_levels: 32,
+            string_bytes: 64 << 10,
+            array_len: 10_000,
+            map_len: 1_000,
+            variables: 256,
+            functions: 100,
+            transform_depth: 256,
+            primitives: 200_000,
+            lights: 64,
+            files: 32,
+            file_bytes: 16 << 20,
+            texture_side: 2_048,
+            decode_bytes: 64 << 20,
+            image_side: 2_048,
+            pixels: 2_000_000,
+            samples: 64,
+            depth: 8,
+            print_bytes: 64 << 10,
+            ..Self::default()
+        }
+    }
+}

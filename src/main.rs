@@ -1,0 +1,3 @@
+//! The `rtscript` command.
+
+fn main() {}

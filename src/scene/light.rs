@@ -1,0 +1,73 @@
+//! Lights.
+
+use crate::{color::Color, diag::SourceLoc, math::DVec3};
+
+/// Fall-off of a point light with the distance d in world units: 1 / (constant + linear d + quadratic d^2).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attenuation {
+    /// Term of d^0.
+    pub constant: f64,
+    /// Term of d^1.
+    pub linear: f64,
+    /// Term of d^2.
+    pub quadratic: f64,
+}
+
+impl Default for Attenuation {
+    fn default() -> Self {
+        Self {
+            constant: 1.0,
+            linear: 0.0,
+            quadratic: 0.0,
+        }
+    }
+}
+
+impl Attenuation {
+    /// The share of light that arrives at distance `d`.
+    #[must_use]
+    pub fn at(&self, d: f64) -> f64 {
+        1.0 / (self.constant + self.linear * d + self.quadratic * d * d)
+    }
+}
+
+/// What kind of light, in the space of its group.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LightKind {
+    /// Light from one point.
+    Point {
+        /// Where it is.
+        position: DVec3,
+        /// Its fall-off.
+        attenuation: Attenuation,
+    },
+    /// Parallel light, not attenuated.
+    Directional {
+        /// Unit vector towards the light.
+        direction: DVec3,
+    },
+    /// A parallelogram of `n` x `n` cells, one jittered point light in each; its color is the total.
+    Area {
+        /// One corner.
+        corner: DVec3,
+        /// The edge from the corner to one neighbour.
+        edge1: DVec3,
+        /// The edge from the corner to the other neighbour.
+        edge2: DVec3,
+        /// Cells along each edge, at least 1.
+        n: u32,
+        /// Fall-off of each point.
+        attenuation: Attenuation,
+    },
+}
+
+/// A light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Light {
+    /// Its kind and place.
+    pub kind: LightKind,
+    /// Its color, scene-linear; components may exceed 1.
+    pub color: Color,
+    /// The call that made it.
+    pub loc: SourceLoc,
+}

@@ -1,0 +1,112 @@
+//! The terms of the shading equation
+//!
+//! `I = Ka + Ke + sum over lights of V L (Kd max(N.L, 0) + Ks max(N.H, 0)^s) + Kr I_reflected + Kt I_transmitted`
+
+use crate::{color::Color, scene::TextureId};
+
+/// A color, or a color times a texture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Term {
+    /// Scene-linear factor.
+    pub color: Color,
+    /// Looked up at each point and multiplied by `color`.
+    pub texture: Option<TextureId>,
+}
+
+impl Term {
+    /// No light at all.
+    pub const BLACK: Self = Self::color(Color::ZERO);
+
+    /// The same color everywhere.
+    #[must_use]
+    pub const fn color(color: Color) -> Self {
+        Self { color, texture: None }
+    }
+
+    /// A texture as it is.
+    #[must_use]
+    pub const fn texture(texture: TextureId) -> Self {
+        Self {
+            color: Color::ONE,
+            texture: Some(texture),
+        }
+    }
+
+    /// True where the term adds nothing anywhere.
+    #[must_use]
+    pub fn is_black(&self) -> bool {
+        self.color == Color::ZERO
+    }
+}
+
+/// How a surface answers light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Ka, constant. Default .2 .2 .2.
+    pub ambient: Term,
+    /// Ke, constant. Default black.
+    pub emission: Term,
+    /// Kd. Default black.
+    pub diffuse: Term,
+    /// Ks of the highlight. Default black.
+    pub specular: Term,
+    /// Exponent s of the highlight, at least 0. Default 1.
+    pub shininess: f64,
+    /// Kr of the mirror; `None` is Ks.
+    pub reflection: Option<Term>,
+    /// Kt of what is seen through. Default black.
+    pub transmission: Term,
+    /// Index of refraction inside, against 1 outside. Default 1.5.
+    pub ior: f64,
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Self {
+            ambient: Term::color(Color::splat(0.2)),
+            emission: Term::BLACK,
+            diffuse: Term::BLACK,
+            specular: Term::BLACK,
+            shininess: 1.0,
+            reflection: None,
+            transmission: Term::BLACK,
+            ior: 1.5,
+        }
+    }
+}
+
+impl Material {
+    /// Kr: the mirror's weight, Ks unless it was given.
+    #[must_use]
+    pub fn mirror(&self) -> Term {
+        self.reflection.unwrap_or(self.specular)
+    }
+
+    /// Its parts as bits, equal exactly where two materials are the same.
+    pub(crate) fn key(&self) -> MaterialKey {
+        let term = |t: &Term| {
+            let [x, y, z] = t.color.to_array().map(f64::to_bits);
+            [x, y, z, t.texture.map_or(0, |id| u64::from(id.0) + 1)]
+        };
+        MaterialKey {
+            terms: [
+                &self.ambient,
+                &self.emission,
+                &self.diffuse,
+                &self.specular,
+                &self.transmission,
+            ]
+            .map(term),
+            reflection: self.reflection.as_ref().map(term),
+            numbers: [self.shininess.to_bits(), self.ior.to_bits()],
+        }
+    }
+}
+
+/// See [`Material::key`].
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct MaterialKey {
+    terms: [[u64; 4]; 5],
+    reflection: Option<[u64; 4]>,
+    numbers: [u64; 2],
+}

@@ -1,0 +1,92 @@
+//! Triangle meshes.
+
+use crate::{
+    math::{Bounds3, DVec2, DVec3},
+    scene::{MaterialId, SceneError},
+};
+
+/// Values at the corners of a mesh's triangles, with indices of their own as in an OBJ file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attribute<T> {
+    /// The values.
+    pub values: Vec<T>,
+    /// For each triangle the values at its corners; [`Attribute::NONE`] where a corner has none.
+    pub indices: Vec<[u32; 3]>,
+}
+
+impl<T: Copy> Attribute<T> {
+    /// The index of a corner without a value.
+    pub const NONE: u32 = u32::MAX;
+
+    /// The values at the corners of triangle `face`; `None` where any corner has none.
+    #[must_use]
+    pub fn corners(&self, face: usize) -> Option<[T; 3]> {
+        let [a, b, c] = *self.indices.get(face)?;
+        let value = |i: u32| self.values.get(i as usize).copied();
+        Some([value(a)?, value(b)?, value(c)?])
+    }
+}
+
+/// A triangle mesh in its object space.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    /// Where it came from, for people.
+    pub name: String,
+    /// Vertices.
+    pub positions: Vec<DVec3>,
+    /// Corners of each triangle as indices into `positions`; counter-clockwise is the front.
+    pub triangles: Vec<[u32; 3]>,
+    /// Normals at the corners, not necessarily unit vectors. A mesh without them is flat.
+    pub normals: Option<Attribute<DVec3>>,
+    /// Texture coordinates at the corners.
+    pub uvs: Option<Attribute<DVec2>>,
+    /// Material of each triangle, or empty where all look as the object that places the mesh.
+    pub face_materials: Vec<MaterialId>,
+}
+
+impl Mesh {
+    /// A mesh of positions and triangles, checked. Attributes may be set afterwards.
+    ///
+    /// # Errors
+    /// Where an index is out of range, or a coordinate is not finite or beyond 1e15.
+    pub fn new(name: &str, positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Result<Self, SceneError> {
+        if let Some(i) = positions
+            .iter()
+            .position(|p| !(crate::math::max_abs(*p) <= 1e15 && p.is_finite()))
+        {
+            return Err(SceneError::new(format!(
+                "position {i} of the mesh is not a finite point within 1e15 of the origin"
+            )));
+        }
+        let count = positions.len();
+        if let Some(i) = triangles
+            .iter()
+            .position(|t| t.iter().any(|&v| v as usize >= count))
+        {
+            return Err(SceneError::new(format!(
+                "triangle {i} of the mesh has the vertex {}, but there are {count} vertices, counted from 0",
+                triangles[i].iter().max().copied().unwrap_or(0)
+            )));
+        }
+        Ok(Self {
+            name: name.to_owned(),
+            positions,
+            triangles,
+            normals: None,
+            uvs: None,
+            face_materials: Vec::new(),
+        })
+    }
+
+    /// The corners of triangle `face`.
+    #[must_use]
+    pub fn corners(&self, face: usize) -> [DVec3; 3] {
+        self.triangles[face].map(|i| self.positions[i as usize])
+    }
+
+    /// Smallest box around all vertices.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds3 {
+        Bounds3::around(self.positions.iter().copied())
+    }
+}

@@ -1,0 +1,169 @@
+//! The description of a picture: plain data, complete, validated, printable.
+//!
+//! A [`Scene`] is what a [`Builder`] leaves behind. Every default is resolved in it, every handle is an index
+//! into one of its vectors, and every entity knows the line that made it. It never sees Rhai, the command line
+//! or the file system, and it holds no acceleration structure: [`render`](crate::render) compiles it for that.
+
+mod builder;
+mod camera;
+mod dump;
+mod light;
+mod material;
+mod mesh;
+mod settings;
+mod texture;
+mod validate;
+
+pub use builder::{Builder, GroupMark, SceneError};
+pub use camera::Camera;
+pub use light::{Attenuation, Light, LightKind};
+pub use material::{Material, Term};
+pub use mesh::{Attribute, Mesh};
+pub use settings::{Encoding, Settings};
+pub use texture::{ImageTexture, Texels, Texture};
+
+use std::{collections::BTreeMap, sync::Arc};
+
+use crate::{
+    diag::SourceLoc,
+    math::{DAffine3, DVec3},
+    shape::Shape,
+};
+
+macro_rules! handle {
+    ($($(#[$doc:meta])* $name:ident)*) => {
+        $(
+            $(#[$doc])*
+            #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+            pub struct $name(pub u32);
+
+            impl $name {
+                /// The index as `usize`.
+                #[must_use]
+                pub const fn index(self) -> usize {
+                    self.0 as usize
+                }
+            }
+        )*
+    };
+}
+
+handle! {
+    /// Index into [`Scene::materials`].
+    MaterialId
+    /// Index into [`Scene::transforms`].
+    TransformId
+    /// Index into [`Scene::textures`].
+    TextureId
+    /// Index into [`Scene::meshes`].
+    MeshId
+    /// Index into [`Scene::triangles`].
+    TriangleId
+    /// Index into [`Scene::groups`].
+    GroupId
+}
+
+impl MaterialId {
+    /// In [`Mesh::face_materials`]: the face looks as the object that places the mesh.
+    pub const INHERIT: Self = Self(u32::MAX);
+}
+
+impl TransformId {
+    /// The identity, always the first transform of a scene.
+    pub const IDENTITY: Self = Self(0);
+}
+
+/// The group that is seen: the first of [`Scene::groups`].
+pub const ROOT_GROUP: GroupId = GroupId(0);
+
+/// What an [`Object`] is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Geometry {
+    /// A shape of its own object space.
+    Shape(Shape),
+    /// A single triangle.
+    Triangle(TriangleId),
+    /// A mesh.
+    Mesh(MeshId),
+    /// Another placing of a defined group.
+    Instance(GroupId),
+}
+
+/// One placed thing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Object {
+    /// What it is.
+    pub geometry: Geometry,
+    /// Where it is: world (or group) from object.
+    pub transform: TransformId,
+    /// How it looks. An instance ignores it: its group's objects have their own.
+    pub material: MaterialId,
+    /// The call that made it.
+    pub loc: SourceLoc,
+}
+
+/// A single triangle with its corners and, where it is smooth, its vertex normals, in object space.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Triangle {
+    /// Corners; counter-clockwise is the front.
+    pub positions: [DVec3; 3],
+    /// Vertex normals, not necessarily unit vectors.
+    pub normals: Option<[DVec3; 3]>,
+}
+
+/// Objects in one space: the root, or what `define` named.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Group {
+    /// The name given by `define`; empty for the root.
+    pub name: String,
+    /// Objects in the order they were made.
+    pub objects: Vec<Object>,
+    /// Lights in the order they were made, in this group's space. Placing an instance copies them.
+    pub lights: Vec<Light>,
+    /// The `define` that made it.
+    pub loc: SourceLoc,
+}
+
+/// A complete picture description.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Size, samples, depth, background, encoding, seed.
+    pub settings: Settings,
+    /// The camera.
+    pub camera: Camera,
+    /// All groups; the first is the root, and an instance's group comes before the group that holds it.
+    pub groups: Vec<Group>,
+    /// All distinct materials.
+    pub materials: Vec<Material>,
+    /// All transforms; the first is the identity.
+    pub transforms: Vec<DAffine3>,
+    /// All textures.
+    pub textures: Vec<Arc<Texture>>,
+    /// All meshes.
+    pub meshes: Vec<Arc<Mesh>>,
+    /// All single triangles.
+    pub triangles: Vec<Triangle>,
+    /// Names of the files that [`SourceLoc::file`] counts.
+    pub files: Vec<String>,
+    /// Names given by `define`.
+    pub names: BTreeMap<String, GroupId>,
+}
+
+impl Scene {
+    /// The group that is seen.
+    #[must_use]
+    pub fn root(&self) -> &Group {
+        &self.groups[ROOT_GROUP.index()]
+    }
+
+    /// World (or group) from object of an object.
+    #[must_use]
+    pub fn world_from_object(&self, object: &Object) -> DAffine3 {
+        self.transforms[object.transform.index()]
+    }
+}
+
+const _: fn() = || {
+    fn is_send_sync<T: Send + Sync>() {}
+    is_send_sync::<Scene>();
+};

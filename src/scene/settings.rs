@@ -1,0 +1,51 @@
+//! What the whole picture has one of, besides the camera.
+
+use crate::color::Color;
+
+/// How linear light becomes 8 bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Encoding {
+    /// Clamp, sRGB curve, times 255, round: what screens expect.
+    #[default]
+    Srgb,
+    /// Clamp, times 255, truncate: what the CSE167 course expects.
+    Raw,
+}
+
+/// Settings of the picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Pixels across, at least 1.
+    pub width: u32,
+    /// Pixels down, at least 1.
+    pub height: u32,
+    /// Rays per pixel: 1 is one ray through the center, more are jittered in strata.
+    pub samples: u32,
+    /// Secondary bounces: the camera ray plus this many reflected or refracted rays in a row, at most 64.
+    pub max_depth: u32,
+    /// Scene-linear light of a ray that leaves the scene.
+    pub background: Color,
+    /// Linear to 8 bits.
+    pub encoding: Encoding,
+    /// Seeds every random choice.
+    pub seed: u64,
+}
+
+impl Settings {
+    /// Largest [`Settings::max_depth`].
+    pub const MAX_DEPTH: u32 = 64;
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            width: 640,
+            height: 480,
+            samples: 1,
+            max_depth: 5,
+            background: Color::ZERO,
+            encoding: Encoding::Srgb,
+            seed: 0,
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! Shapes: what a ray meets in object space.
+//!
+//! A shape knows its own space only. Placing, materials and acceleration are the scene's and the renderer's.
+//! Each file holds one shape: its contract, its checks, its bounds, its crossings with a ray, its surface.
+//!
+//! A shape answers with *all* points where the ray's whole line crosses its surface, in order. From them the
+//! nearest hit follows, the parts of the line inside a solid, and an exact answer to the question that haunts
+//! ray tracers: a ray that starts on the surface knows which crossing is its own start.
+
+mod sphere;
+pub mod triangle;
+
+pub use sphere::Sphere;
+
+use crate::math::{Bounds3, DVec2, DVec3, Ray};
+
+/// A point where a line crosses a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// Ray parameter.
+    pub t: f64,
+    /// Which part of the surface: a face of a box, the side or a cap of a cylinder; 0 where there is one part.
+    pub part: u8,
+}
+
+/// Crossings of one line with one shape, in ascending order of `t`.
+#[derive(Clone, Copy, Debug)]
+pub struct Crossings {
+    items: [Crossing; Self::CAPACITY],
+    len: usize,
+}
+
+impl Default for Crossings {
+    fn default() -> Self {
+        Self {
+            items: [Crossing { t: 0.0, part: 0 }; Self::CAPACITY],
+            len: 0,
+        }
+    }
+}
+
+impl Crossings {
+    /// As many as a line can have with one shape (a torus has up to 4).
+    pub const CAPACITY: usize = 4;
+
+    /// Adds a crossing in its place; NaN is dropped, and so is what exceeds [`Self::CAPACITY`].
+    pub fn push(&mut self, t: f64, part: u8) {
+        if t.is_nan() || self.len == Self::CAPACITY {
+            return;
+        }
+        let mut i = self.len;
+        while i > 0 && self.items[i - 1].t > t {
+            self.items[i] = self.items[i - 1];
+            i -= 1;
+        }
+        self.items[i] = Crossing { t, part };
+        self.len += 1;
+    }
+
+    /// The crossings in order.
+    #[must_use]
+    pub fn as_slice(&self) -> &[Crossing] {
+        &self.items[..self.len]
+    }
+
+    /// Drops the crossing that is the ray's own start on this surface: the one nearest to t = 0, if it is
+    /// within `t_self`.
+    pub fn drop_start(&mut self, t_self: f64) {
+        let nearest = (0..self.len).min_by(|&a, &b| self.items[a].t.abs().total_cmp(&self.items[b].t.abs()));
+        if let Some(i) = nearest.filter(|&i| self.items[i].t.abs() <= t_self) {
+            self.items.copy_within(i + 1..self.len, i);
+            self.len -= 1;
+        }
+    }
+
+    /// The first crossing with `t_min < t < t_max`.
+    #[must_use]
+    pub fn first_within(&self, t_min: f64, t_max: f64) -> Option<Crossing> {
+        self.as_slice()
+            .iter()
+            .copied()
+            .find(|c| c.t > t_min && c.t < t_max)
+    }
+}
+
+/// The surface at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// Outward (front) normal in object space, not necessarily a unit vector.
+    pub normal: DVec3,
+    /// Texture coordinates in [0, 1]^2 (a plane repeats them without end).
+    pub uv: DVec2,
+}
+
+macro_rules! shapes {
+    ($($(#[$doc:meta])* $name:ident($inner:ty) = $text:literal;)*) => {
+        /// Any shape, in its own object space.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum Shape {
+            $($(#[$doc])* $name($inner),)*
+        }
+
+        impl Shape {
+            /// What the script calls it.
+            #[must_use]
+            pub fn name(&self) -> &'static str {
+                match self { $(Self::$name(_) => $text,)* }
+            }
+
+            /// A box around it; `None` where it has no end.
+            #[must_use]
+            pub fn bounds(&self) -> Option<Bounds3> {
+                match self { $(Self::$name(s) => s.bounds(),)* }
+            }
+
+            /// True where it encloses a volume, so that a line crosses it an even number of times.
+            #[must_use]
+            pub fn is_solid(&self) -> bool {
+                match self { $(Self::$name(_) => <$inner as Solidity>::SOLID,)* }
+            }
+
+            /// Adds all crossings of the ray's whole line (behind its origin too) to `out`.
+            #[inline]
+            pub fn crossings(&self, ray: &Ray, out: &mut Crossings) {
+                match self { $(Self::$name(s) => s.crossings(ray, out),)* }
+            }
+
+            /// Normal and texture coordinates at a point `p` on part `part` of the surface.
+            #[must_use]
+            pub fn surface(&self, p: DVec3, part: u8) -> Surface {
+                match self { $(Self::$name(s) => s.surface(p, part),)* }
+            }
+        }
+    };
+}
+
+shapes! {
+    /// See [`Sphere`].
+    Sphere(Sphere) = "sphere";
+}
+
+/// Whether a shape encloses a volume.
+trait Solidity {
+    const SOLID: bool;
+}
