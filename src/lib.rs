@@ -4,6 +4,7 @@
 //! source text -> script -> scene::Builder -> Scene -> render -> Image -> output
 //! ```
 
+pub mod accel;
 pub mod color;
 pub mod diag;
 pub mod host;

@@ -1,13 +1,20 @@
 //! From a [`Scene`] to an [`Image`].
 
 mod film;
+mod integrator;
+mod lighting;
+mod sampler;
+mod tiles;
+mod world;
 
 pub use film::{Image, quantize};
 
 use std::time::Duration;
 
+use world::World;
+
 use crate::{
-    diag::{Error, Report},
+    diag::{Diagnostic, Error, ErrorKind, Report},
     host::Host,
     scene::Scene,
 };
@@ -77,19 +84,72 @@ pub struct Rendered {
 /// # Errors
 /// `Cancelled` where the host asks to stop, `Limit` where instancing multiplies past 2^62 primitives.
 pub fn render(scene: &Scene, options: &RenderOptions, host: &dyn Host) -> Result<Report<Rendered>, Error> {
-    let _ = (options, host);
-    let s = &scene.settings;
-    let image = Image::new(
-        s.width,
-        s.height,
-        s.encoding,
-        vec![s.background.to_array(); (s.width * s.height) as usize],
-    );
+    if options.threads == 0 {
+        return render_here(scene, host);
+    }
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.threads)
+        .build()
+        .map_err(|e| {
+            Diagnostic::error(
+                ErrorKind::Internal,
+                format!("cannot start {} threads: {e}", options.threads),
+            )
+        })?;
+    pool.install(|| render_here(scene, host))
+}
+
+/// Renders on the threads of the current pool.
+fn render_here(scene: &Scene, host: &dyn Host) -> Result<Report<Rendered>, Error> {
+    let compiling = Stopwatch::start();
+    let world = World::compile(scene)?;
+    let compile = compiling.elapsed();
+    let tracing = Stopwatch::start();
+    let Some((image, counts)) = tiles::trace(&world, host) else {
+        return Err(Diagnostic::error(ErrorKind::Cancelled, "the render was stopped").into());
+    };
+    let stats = RenderStats {
+        camera_rays: counts.camera,
+        shadow_rays: counts.shadow,
+        reflected_rays: counts.reflected,
+        refracted_rays: counts.refracted,
+        invalid_samples: counts.invalid,
+        primitives: world.primitives(),
+        world_bytes: world.bytes(),
+        compile,
+        trace: tracing.elapsed(),
+    };
+    let mut warnings = Vec::new();
+    if counts.invalid > 0 {
+        warnings.push(Diagnostic::warning(format!(
+            "{} samples were not finite numbers and count as black: are colors or lights beyond 1e150?",
+            counts.invalid
+        )));
+    }
     Ok(Report {
-        value: Rendered {
-            image,
-            stats: RenderStats::default(),
-        },
-        warnings: Vec::new(),
+        value: Rendered { image, stats },
+        warnings,
     })
+}
+
+/// Measures a stage where the platform has a clock; 0 where it has none (wasm32-unknown-unknown).
+struct Stopwatch {
+    #[cfg(not(target_family = "wasm"))]
+    start: std::time::Instant,
+}
+
+impl Stopwatch {
+    fn start() -> Self {
+        Self {
+            #[cfg(not(target_family = "wasm"))]
+            start: std::time::Instant::now(),
+        }
+    }
+
+    fn elapsed(&self) -> Duration {
+        #[cfg(not(target_family = "wasm"))]
+        return self.start.elapsed();
+        #[cfg(target_family = "wasm")]
+        Duration::ZERO
+    }
 }

@@ -15,7 +15,7 @@ mod texture;
 mod validate;
 
 pub use builder::{Builder, GroupMark, SceneError};
-pub use camera::Camera;
+pub use camera::{Camera, CameraFrame};
 pub use light::{Attenuation, Light, LightKind};
 pub use material::{Material, Term};
 pub use mesh::{Attribute, Mesh};

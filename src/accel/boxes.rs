@@ -1,0 +1,152 @@
+//! Single-precision boxes, rounded outwards, and the node that holds eight of them.
+
+use crate::math::{Bounds3, max_abs};
+
+/// An axis-aligned box in f32 that contains the f64 box it was made from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Box32 {
+    /// Smallest corner.
+    pub min: [f32; 3],
+    /// Largest corner.
+    pub max: [f32; 3],
+}
+
+impl Box32 {
+    /// The box that holds nothing.
+    pub const EMPTY: Self = Self {
+        min: [f32::INFINITY; 3],
+        max: [f32::NEG_INFINITY; 3],
+    };
+
+    /// The smallest f32 box around `bounds` grown by a few rounding errors of its coordinates, so that what
+    /// f64 arithmetic puts on the box's face is inside.
+    #[must_use]
+    pub fn around(bounds: &Bounds3) -> Self {
+        let slack = 4e-15 * max_abs(bounds.min).max(max_abs(bounds.max));
+        Self {
+            min: bounds.min.to_array().map(|x| round_down(x - slack)),
+            max: bounds.max.to_array().map(|x| round_up(x + slack)),
+        }
+    }
+
+    /// Grows to contain `other`.
+    #[inline]
+    pub(super) fn grow(&mut self, other: &Self) {
+        for k in 0..3 {
+            self.min[k] = self.min[k].min(other.min[k]);
+            self.max[k] = self.max[k].max(other.max[k]);
+        }
+    }
+
+    /// Half the surface area; 0 for the empty box.
+    #[inline]
+    pub(super) fn half_area(&self) -> f32 {
+        let [x, y, z] = [0, 1, 2].map(|k| self.max[k] - self.min[k]);
+        if x < 0.0 { 0.0 } else { x * y + y * z + z * x }
+    }
+
+    /// Twice the center along axis `k`.
+    #[inline]
+    pub(super) fn center2(&self, k: usize) -> f32 {
+        self.min[k] + self.max[k]
+    }
+}
+
+/// Largest f32 that is not above `x`.
+#[inline]
+pub(super) fn round_down(x: f64) -> f32 {
+    let y = x as f32;
+    if f64::from(y) > x { y.next_down() } else { y }
+}
+
+/// Smallest f32 that is not below `x`.
+#[inline]
+pub(super) fn round_up(x: f64) -> f32 {
+    let y = x as f32;
+    if f64::from(y) < x { y.next_up() } else { y }
+}
+
+/// Eight child boxes, one array for each of the six planes, and what they lead to.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(super) struct Node {
+    /// Planes min x, y, z, max x, y, z of the eight children.
+    pub(super) planes: [[f32; 8]; 6],
+    /// An empty lane has an empty box, which no ray enters.
+    pub(super) children: [Child; 8],
+}
+
+impl Node {
+    pub(super) const EMPTY: Self = Self {
+        planes: [
+            [f32::INFINITY; 8],
+            [f32::INFINITY; 8],
+            [f32::INFINITY; 8],
+            [f32::NEG_INFINITY; 8],
+            [f32::NEG_INFINITY; 8],
+            [f32::NEG_INFINITY; 8],
+        ],
+        children: [Child(u32::MAX); 8],
+    };
+
+    pub(super) fn set(&mut self, lane: usize, bounds: &Box32, child: Child) {
+        for k in 0..3 {
+            self.planes[k][lane] = bounds.min[k];
+            self.planes[k + 3][lane] = bounds.max[k];
+        }
+        self.children[lane] = child;
+    }
+}
+
+/// A node's index, or a leaf: up to [`Child::LEAF_MAX`] consecutive places of the primitive order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Child(pub(super) u32);
+
+impl Child {
+    const LEAF: u32 = 1 << 31;
+    const COUNT_SHIFT: u32 = 28;
+    const FIRST: u32 = (1 << Self::COUNT_SHIFT) - 1;
+    /// Most primitives in a leaf.
+    pub(super) const LEAF_MAX: usize = 8;
+    /// Most primitives in a tree.
+    pub(super) const PRIMITIVES_MAX: usize = Self::FIRST as usize;
+
+    pub(super) fn leaf(first: usize, count: usize) -> Self {
+        debug_assert!((1..=Self::LEAF_MAX).contains(&count) && first <= Self::PRIMITIVES_MAX);
+        Self(Self::LEAF | ((count as u32 - 1) << Self::COUNT_SHIFT) | first as u32)
+    }
+
+    #[inline(always)]
+    pub(super) fn is_leaf(self) -> bool {
+        self.0 & Self::LEAF != 0
+    }
+
+    /// Range of the primitive order that a leaf covers.
+    #[inline(always)]
+    pub(super) fn range(self) -> std::ops::Range<usize> {
+        let first = (self.0 & Self::FIRST) as usize;
+        first..first + ((self.0 >> Self::COUNT_SHIFT) & 7) as usize + 1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::DVec3;
+
+    #[test]
+    fn rounding_never_loses_a_point() {
+        for x in [0.1, -0.1, 1.0, 1e15, -3.5e-20, 16_777_217.0, 0.0] {
+            assert!(f64::from(round_down(x)) <= x && x <= f64::from(round_up(x)));
+        }
+        let b = Box32::around(&Bounds3::new(DVec3::splat(-1.0), DVec3::splat(1.0)));
+        assert!(b.min[0] < -1.0 && b.max[0] > 1.0);
+    }
+
+    #[test]
+    fn children_remember_their_range() {
+        let leaf = Child::leaf(12_345, 7);
+        assert!(leaf.is_leaf() && !Child(5).is_leaf());
+        assert_eq!(leaf.range(), 12_345..12_352);
+    }
+}

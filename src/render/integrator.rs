@@ -1,0 +1,209 @@
+//! The recursive ray tracer of Whitted ("An improved illumination model for shaded display", 1980), as a loop.
+
+use super::{
+    lighting::{self, Gloss},
+    sampler::Sampler,
+    world::{Probe, SurfacePoint, World},
+};
+use crate::{
+    color::Color,
+    math::{DVec3, Ray},
+    scene::Settings,
+};
+
+/// Rays traced, by kind.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Counts {
+    pub(super) camera: u64,
+    pub(super) shadow: u64,
+    pub(super) reflected: u64,
+    pub(super) refracted: u64,
+    pub(super) invalid: u64,
+}
+
+impl Counts {
+    pub(super) fn add(&mut self, other: &Self) {
+        self.camera += other.camera;
+        self.shadow += other.shadow;
+        self.reflected += other.reflected;
+        self.refracted += other.refracted;
+        self.invalid += other.invalid;
+    }
+
+    pub(super) fn total(&self) -> u64 {
+        self.camera + self.shadow + self.reflected + self.refracted
+    }
+}
+
+/// Where on a camera sample's tree of rays a point lies; keys its random numbers.
+pub(super) struct Path {
+    sampler: Sampler,
+    /// Points shaded before this one in the same sample.
+    vertex: u64,
+}
+
+impl Path {
+    /// A random number in [0, 1) for the `cell`-th choice about light `light` at this point.
+    pub(super) fn random(&self, light: u64, cell: u64) -> f64 {
+        // Dimensions 0 and 1 are the pixel's jitter. A light has at most 2 * 256^2 choices.
+        self.sampler.get(2 + (self.vertex << 36 | light << 18 | cell))
+    }
+}
+
+/// A ray still to be traced.
+#[derive(Clone, Copy)]
+struct Pending {
+    probe: Probe,
+    /// Share of what it sees that reaches the camera.
+    weight: Color,
+    depth: u32,
+}
+
+/// A reflected and a refracted ray wait at each depth, and one of them is taken at once.
+const STACK: usize = Settings::MAX_DEPTH as usize + 2;
+
+/// Branches whose weight is below this in every channel are not followed: with the tree's 2^depth rays this is
+/// what ends it between two mirrors of glass, and nothing of an 8-bit picture.
+const LEAST_WEIGHT: f64 = 1.0 / (1 << 20) as f64;
+
+/// Light along a camera ray.
+pub(super) fn radiance(world: &World<'_>, ray: Ray, sampler: Sampler, counts: &mut Counts) -> Color {
+    let settings = &world.scene.settings;
+    let mut path = Path { sampler, vertex: 0 };
+    let mut sum = Color::ZERO;
+    let mut stack = [Pending {
+        probe: Probe::from_space(ray),
+        weight: Color::ONE,
+        depth: 0,
+    }; STACK];
+    let mut waiting = 1;
+    counts.camera += 1;
+    while waiting > 0 {
+        waiting -= 1;
+        let Pending { probe, weight, depth } = stack[waiting];
+        let ray = probe.ray;
+        let seen = world
+            .nearest(&probe, f64::INFINITY)
+            .and_then(|hit| Some((hit, world.surface(&hit, &ray)?)));
+        let Some((hit, at)) = seen else {
+            sum += weight * settings.background;
+            continue;
+        };
+        let term = |term| world.term(term, &at);
+        let m = at.material;
+        let gloss = Gloss {
+            diffuse: term(&m.diffuse),
+            specular: term(&m.specular),
+            shininess: m.shininess,
+        };
+        let mut local = term(&m.ambient) + term(&m.emission);
+        local += lighting::direct(world, &at, hit.number, ray.origin, &gloss, &path, counts);
+        sum += weight * local;
+        path.vertex += 1;
+        if depth == settings.max_depth {
+            continue;
+        }
+        let (mirrored, refracted) = split(world, &at, &ray);
+        for (branch, count) in [
+            (refracted, &mut counts.refracted),
+            (mirrored, &mut counts.reflected),
+        ] {
+            let weight = weight * branch.weight;
+            if weight.max_element() >= LEAST_WEIGHT && waiting < STACK {
+                *count += 1;
+                let probe = Probe::from_surface(Ray::new(at.position, branch.dir), hit.number, at.scale);
+                stack[waiting] = Pending {
+                    probe,
+                    weight,
+                    depth: depth + 1,
+                };
+                waiting += 1;
+            }
+        }
+    }
+    if sum.is_finite() {
+        sum
+    } else {
+        counts.invalid += 1;
+        Color::ZERO
+    }
+}
+
+/// A ray that goes on from a surface.
+struct Branch {
+    dir: DVec3,
+    weight: Color,
+}
+
+/// The mirrored and the refracted ray at a surface. Total internal reflection adds Kt to the mirror.
+fn split(world: &World<'_>, at: &SurfacePoint<'_>, ray: &Ray) -> (Branch, Branch) {
+    let n = at.shading_normal;
+    let cosine = ray.dir.dot(n);
+    let mirrored = ray.dir - n * (2.0 * cosine);
+    let mut mirror = Branch {
+        dir: mirrored / mirrored.length(),
+        weight: world.term(&at.material.mirror(), at),
+    };
+    let mut through = Branch {
+        dir: ray.dir,
+        weight: world.term(&at.material.transmission, at),
+    };
+    if through.weight != Color::ZERO {
+        let eta = if at.from_front {
+            1.0 / at.material.ior
+        } else {
+            at.material.ior
+        };
+        match refract(ray.dir, n, eta) {
+            Some(dir) => through.dir = dir,
+            None => {
+                mirror.weight += through.weight;
+                through.weight = Color::ZERO;
+            }
+        }
+    }
+    (mirror, through)
+}
+
+/// Snell's law: the direction of the unit vector `dir` behind a surface with unit normal `n` on the ray's side,
+/// `eta` being the index of refraction before it over that behind it. `None` at total internal reflection.
+/// (Heckbert, "Writing a ray tracer", in Glassner, An Introduction to Ray Tracing, 1989.)
+fn refract(dir: DVec3, n: DVec3, eta: f64) -> Option<DVec3> {
+    let cosine = -dir.dot(n);
+    let k = 1.0 - eta * eta * (1.0 - cosine * cosine);
+    if !(k >= 0.0) {
+        return None;
+    }
+    let refracted = dir * eta + n * (eta * cosine - k.sqrt());
+    Some(refracted / refracted.length())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math;
+
+    #[test]
+    fn refraction_obeys_snell() {
+        for degrees in [0.0, 10.0, 30.0, 45.0, 60.0, 89.0] {
+            let (sin, cos) = math::sin_cos_degrees(degrees);
+            let dir = DVec3::new(sin, -cos, 0.0);
+            for (eta, ior) in [(1.0 / 1.5, 1.5), (1.0 / 2.4, 2.4), (1.0, 1.0)] {
+                let refracted = refract(dir, DVec3::Y, eta).unwrap();
+                assert!((refracted.x * ior - sin).abs() < 1e-15, "{degrees} {ior}");
+                assert!((refracted.length() - 1.0).abs() < 1e-15 && refracted.y < 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn beyond_the_critical_angle_nothing_leaves() {
+        let critical = math::asin(1.0 / 1.5).to_degrees();
+        let leaving = |degrees: f64| {
+            let (sin, cos) = math::sin_cos_degrees(degrees);
+            refract(DVec3::new(sin, -cos, 0.0), DVec3::Y, 1.5)
+        };
+        assert!(leaving(critical - 1e-6).is_some());
+        assert!(leaving(critical + 1e-6).is_none());
+    }
+}

@@ -1,0 +1,88 @@
+//! Random numbers that depend on where they are used, not on when: a hash of (seed, pixel, sample, dimension).
+//!
+//! Nothing is drawn from a stream, so neither threads nor the order of tiles can change a picture.
+
+/// The random numbers of one camera sample.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sampler {
+    key: u64,
+}
+
+/// A 64-bit mix in which every input bit reaches every output bit (the finalizer of SplitMix64; Steele, Lea and
+/// Flood, "Fast splittable pseudorandom number generators", 2014, with Stafford's variant 13 constants).
+pub(crate) const fn mix(mut x: u64) -> u64 {
+    x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}
+
+impl Sampler {
+    /// The numbers of sample `sample` of the pixel in column `x`, row `y`.
+    pub(crate) fn new(seed: u64, x: u32, y: u32, sample: u32) -> Self {
+        let pixel = u64::from(y) << 32 | u64::from(x);
+        Self {
+            key: mix(mix(mix(seed) ^ pixel) ^ u64::from(sample)),
+        }
+    }
+
+    /// The number of a dimension, in [0, 1).
+    pub(crate) fn get(&self, dimension: u64) -> f64 {
+        (mix(self.key ^ mix(dimension)) >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+    }
+}
+
+/// Where in the unit square sample `index` of `count` lies: strata of equal area, in rows as square as `count`
+/// allows, jittered by two random numbers. A single sample is the center.
+pub(crate) fn stratified(index: u32, count: u32, jitter: impl Fn(u64) -> f64) -> (f64, f64) {
+    if count <= 1 {
+        return (0.5, 0.5);
+    }
+    // `rows` rows share `count` samples as evenly as they can; a row is as high as its share.
+    let rows = count.isqrt();
+    let (base, longer) = (count / rows, count % rows);
+    let in_longer = longer * (base + 1);
+    let (column, columns, before) = if index < in_longer {
+        let row = index / (base + 1);
+        (index % (base + 1), base + 1, row * (base + 1))
+    } else {
+        let row = (index - in_longer) / base;
+        ((index - in_longer) % base, base, in_longer + row * base)
+    };
+    let (columns, count) = (f64::from(columns), f64::from(count));
+    let x = (f64::from(column) + jitter(0)) / columns;
+    let y = (f64::from(before) + jitter(1) * columns) / count;
+    (x, y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strata_have_equal_areas_and_cover_the_square() {
+        for count in 2..40 {
+            // With jitter 0 and 1 a sample gives the corners of its stratum.
+            let mut area = 0.0;
+            for index in 0..count {
+                let (x0, y0) = stratified(index, count, |_| 0.0);
+                let (x1, y1) = stratified(index, count, |_| 1.0);
+                assert!((0.0..1.0).contains(&x0) && (0.0..1.0).contains(&y0));
+                let own = (x1 - x0) * (y1 - y0);
+                assert!((own * f64::from(count) - 1.0).abs() < 1e-12, "{count}: {own}");
+                area += own;
+            }
+            assert!((area - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn numbers_are_even_and_apart() {
+        let sampler = Sampler::new(7, 1, 2, 3);
+        let mean = (0..10_000).map(|d| sampler.get(d)).sum::<f64>() / 10_000.0;
+        assert!((mean - 0.5).abs() < 0.01, "{mean}");
+        assert_ne!(sampler.get(0), Sampler::new(7, 2, 1, 3).get(0));
+        assert_ne!(sampler.get(0), Sampler::new(8, 1, 2, 3).get(0));
+        assert_ne!(sampler.get(0), Sampler::new(7, 1, 2, 4).get(0));
+    }
+}

@@ -1,0 +1,309 @@
+//! From a [`Scene`] to a [`World`].
+
+use std::collections::HashMap;
+
+use super::{
+    World,
+    level::{Instance, Level, PlacedShape, PlacedSphere, Primitive, TriangleRun, TriangleSource},
+};
+use crate::{
+    accel::{Box32, Bvh},
+    diag::{Diagnostic, Error, ErrorKind},
+    math::{Bounds3, DAffine3, DMat3, DVec3, is_singular},
+    scene::{Geometry, GroupId, Mesh, MeshId, ROOT_GROUP, Scene},
+    shape::{Shape, Sphere},
+};
+
+/// Levels inside levels; each takes a frame of the traversal's stack.
+const MAX_NESTING: usize = 64;
+/// Primitive numbers stay below this, so that sums of two never overflow.
+const MAX_NUMBERS: u64 = 1 << 62;
+
+impl<'s> World<'s> {
+    /// Compiles a scene: each group that is seen once, its tree built on the threads of the current pool.
+    pub(crate) fn compile(scene: &'s Scene) -> Result<Self, Error> {
+        let mut compiler = Compiler {
+            scene,
+            levels: Vec::new(),
+            depths: Vec::new(),
+            of_group: HashMap::new(),
+            of_mesh: HashMap::new(),
+            mesh_uses: mesh_uses(scene),
+        };
+        for id in groups_inside_out(scene) {
+            let level = compiler.group(id)?;
+            compiler.of_group.insert(id, level);
+        }
+        let has_transparency = scene.materials.iter().any(|m| !m.transmission.is_black());
+        Ok(World {
+            scene,
+            levels: compiler.levels,
+            has_transparency,
+        })
+    }
+}
+
+/// How often each mesh is placed.
+fn mesh_uses(scene: &Scene) -> Vec<u32> {
+    let mut uses = vec![0; scene.meshes.len()];
+    for object in scene.groups.iter().flat_map(|group| &group.objects) {
+        if let Geometry::Mesh(id) = object.geometry {
+            uses[id.index()] += 1;
+        }
+    }
+    uses
+}
+
+struct Compiler<'s> {
+    scene: &'s Scene,
+    levels: Vec<Level>,
+    /// Nesting below each level.
+    depths: Vec<usize>,
+    of_group: HashMap<GroupId, u32>,
+    of_mesh: HashMap<MeshId, u32>,
+    mesh_uses: Vec<u32>,
+}
+
+impl Compiler<'_> {
+    /// Compiles one group whose inner groups are compiled.
+    fn group(&mut self, id: GroupId) -> Result<u32, Error> {
+        let scene = self.scene;
+        let group = &scene.groups[id.index()];
+        let mut level = Level {
+            group: Some(id),
+            ..Level::default()
+        };
+        let mut depth = 0;
+        for (index, object) in group.objects.iter().enumerate() {
+            let index = index as u32;
+            let placing = scene.world_from_object(object);
+            match &object.geometry {
+                Geometry::Triangle(id) => {
+                    let triangle = &scene.triangles[id.index()];
+                    let first = level.vertices.len() as u32;
+                    level
+                        .runs
+                        .push(run(&level, index, TriangleSource::Single(*id), &placing));
+                    level
+                        .vertices
+                        .extend(triangle.positions.map(|p| place(&placing, p)));
+                    level.triangles.push([first, first + 1, first + 2]);
+                }
+                // A flattened mesh has no space of its own that a ray could be taken to.
+                Geometry::Mesh(id) if self.mesh_uses[id.index()] == 1 || is_singular(&placing.matrix3) => {
+                    level
+                        .runs
+                        .push(run(&level, index, TriangleSource::Mesh(*id), &placing));
+                    append_mesh(&mut level, &scene.meshes[id.index()], &placing);
+                }
+                Geometry::Mesh(id) => {
+                    let inner = self.mesh(*id)?;
+                    depth = depth.max(1 + self.depths[inner as usize]);
+                    level.instances.push(instance(inner, index, &placing));
+                }
+                Geometry::Instance(id) => {
+                    let Some(&inner) = self.of_group.get(id) else {
+                        continue;
+                    };
+                    depth = depth.max(1 + self.depths[inner as usize]);
+                    level.instances.push(instance(inner, index, &placing));
+                }
+                Geometry::Shape(shape) => push_shape(&mut level, shape, index, &placing),
+            }
+        }
+        if depth > MAX_NESTING {
+            return Err(limit(format!(
+                "instances are nested {depth} deep, at most {MAX_NESTING} can be rendered"
+            )));
+        }
+        self.finish(level, depth)
+    }
+
+    /// The level of a mesh that is placed several times.
+    fn mesh(&mut self, id: MeshId) -> Result<u32, Error> {
+        if let Some(&level) = self.of_mesh.get(&id) {
+            return Ok(level);
+        }
+        let mut level = Level::default();
+        level.runs.push(run(
+            &level,
+            Level::NO_OBJECT,
+            TriangleSource::Mesh(id),
+            &DAffine3::IDENTITY,
+        ));
+        append_mesh(&mut level, &self.scene.meshes[id.index()], &DAffine3::IDENTITY);
+        let level = self.finish(level, 0)?;
+        self.of_mesh.insert(id, level);
+        Ok(level)
+    }
+
+    /// Numbers the level's primitives and builds its tree.
+    fn finish(&mut self, mut level: Level, depth: usize) -> Result<u32, Error> {
+        let mut numbers = (level.primitives() - level.instances.len()) as u64;
+        for instance in &mut level.instances {
+            instance.first_number = numbers;
+            numbers = numbers.saturating_add(self.levels[instance.level as usize].numbers);
+        }
+        if numbers > MAX_NUMBERS {
+            return Err(limit(
+                "instances inside instances multiply to more than 2^62 shapes".to_owned(),
+            ));
+        }
+        level.numbers = numbers;
+
+        let mut around = Some(Bounds3::EMPTY);
+        let boxes: Vec<Box32> = (0..level.primitives() as u32)
+            .map(|index| {
+                let bounds = self.bounds(&level, index);
+                around = around.and_then(|a| bounds.map(|b| a.union(&b)));
+                match bounds {
+                    Some(bounds) => Box32::around(&bounds),
+                    None => {
+                        level.unbounded.push(index);
+                        Box32::EMPTY
+                    }
+                }
+            })
+            .collect();
+        level.bounds = around;
+        // What has no bounds has an empty box here, which no ray enters.
+        level.bvh = Bvh::build(&boxes);
+        self.levels.push(level);
+        self.depths.push(depth);
+        Ok(self.levels.len() as u32 - 1)
+    }
+
+    /// A box around a primitive in its level's space; `None` where it has no end.
+    fn bounds(&self, level: &Level, index: u32) -> Option<Bounds3> {
+        match level.primitive(index) {
+            Primitive::Triangle(i) => Some(Bounds3::around(level.corners(i))),
+            Primitive::Sphere(i) => {
+                let sphere = &level.spheres[i as usize];
+                Some(Bounds3::new(
+                    sphere.center - sphere.radius,
+                    sphere.center + sphere.radius,
+                ))
+            }
+            Primitive::Shape(i) => {
+                let placed = &level.shapes[i as usize];
+                let level_from_object = placed.object_from_level.inverse();
+                match &placed.shape {
+                    Shape::Sphere(sphere) => Some(ellipsoid_bounds(sphere, &level_from_object)),
+                    shape => shape.bounds().map(|b| b.transformed(&level_from_object)),
+                }
+            }
+            Primitive::Instance(i) => {
+                let instance = &level.instances[i as usize];
+                let inner = &self.levels[instance.level as usize];
+                inner
+                    .bounds
+                    .map(|b| b.transformed(&instance.inner_from_outer.inverse()))
+            }
+        }
+    }
+}
+
+/// The groups that are seen: those the root places, directly or not, inner ones first, and last the root.
+fn groups_inside_out(scene: &Scene) -> Vec<GroupId> {
+    let mut seen = vec![false; scene.groups.len()];
+    let mut open = vec![ROOT_GROUP];
+    let mut found = Vec::new();
+    while let Some(group) = open.pop() {
+        for object in &scene.groups[group.index()].objects {
+            if let Geometry::Instance(inner) = object.geometry
+                && !seen[inner.index()]
+            {
+                seen[inner.index()] = true;
+                found.push(inner);
+                open.push(inner);
+            }
+        }
+    }
+    // A group can only place groups that were defined before it.
+    found.sort_unstable();
+    found.push(ROOT_GROUP);
+    found
+}
+
+fn limit(message: String) -> Error {
+    Diagnostic::error(ErrorKind::Limit, message)
+        .hint("define fewer levels of groups inside groups")
+        .into()
+}
+
+fn place(placing: &DAffine3, p: DVec3) -> DVec3 {
+    if *placing == DAffine3::IDENTITY {
+        p
+    } else {
+        placing.transform_point3(p)
+    }
+}
+
+fn run(level: &Level, object: u32, source: TriangleSource, placing: &DAffine3) -> TriangleRun {
+    let mirrored = placing.matrix3.determinant() < 0.0;
+    TriangleRun {
+        first: level.triangles.len() as u32,
+        object,
+        source,
+        mirrored,
+    }
+}
+
+fn append_mesh(level: &mut Level, mesh: &Mesh, placing: &DAffine3) {
+    let first = level.vertices.len() as u32;
+    level
+        .vertices
+        .extend(mesh.positions.iter().map(|p| place(placing, *p)));
+    level
+        .triangles
+        .extend(mesh.triangles.iter().map(|t| t.map(|i| i + first)));
+}
+
+fn instance(level: u32, object: u32, placing: &DAffine3) -> Instance {
+    Instance {
+        level,
+        object,
+        inner_from_outer: placing.inverse(),
+        first_number: 0,
+    }
+}
+
+fn push_shape(level: &mut Level, shape: &Shape, object: u32, placing: &DAffine3) {
+    if let (Shape::Sphere(sphere), Some(scale)) = (shape, similarity(&placing.matrix3)) {
+        let center = place(placing, sphere.center());
+        level.spheres.push(PlacedSphere {
+            center,
+            radius: sphere.radius() * scale,
+            object,
+        });
+        return;
+    }
+    level.shapes.push(PlacedShape {
+        shape: shape.clone(),
+        object_from_level: placing.inverse(),
+        object,
+    });
+}
+
+/// The factor by which a matrix scales all lengths alike; `None` where it does not, to 14 digits.
+fn similarity(m: &DMat3) -> Option<f64> {
+    let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
+    let scale2 = x.length_squared();
+    let small = 1e-14 * scale2;
+    let same = |a: f64, b: f64| (a - b).abs() <= small;
+    let alike = same(y.length_squared(), scale2)
+        && same(z.length_squared(), scale2)
+        && same(x.dot(y), 0.0)
+        && same(y.dot(z), 0.0)
+        && same(z.dot(x), 0.0);
+    alike.then(|| scale2.sqrt())
+}
+
+/// Tight bounds of a sphere under an affine map: along each axis the center plus or minus the radius times the
+/// length of the matrix's row (Quilez, "Bounding box of an ellipse", 2015, from the support function).
+fn ellipsoid_bounds(sphere: &Sphere, level_from_object: &DAffine3) -> Bounds3 {
+    let rows = level_from_object.matrix3.transpose();
+    let center = level_from_object.transform_point3(sphere.center());
+    let half = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length()) * sphere.radius();
+    Bounds3::new(center - half, center + half)
+}

@@ -1,0 +1,148 @@
+//! One level: the primitives of a group in the group's space.
+
+use crate::{
+    accel::Bvh,
+    math::{Bounds3, DAffine3, DVec3},
+    scene::{GroupId, MeshId, TriangleId},
+    shape::Shape,
+};
+
+/// The primitives of one group. Their numbers run through the kinds in the order of the fields: triangles,
+/// spheres, shapes, instances.
+#[derive(Debug, Default)]
+pub(crate) struct Level {
+    /// The group it was made from; `None` for a mesh placed several times.
+    pub(super) group: Option<GroupId>,
+    pub(super) vertices: Vec<DVec3>,
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// Where each run of triangles comes from, in ascending order of `first`.
+    pub(super) runs: Vec<TriangleRun>,
+    pub(super) spheres: Vec<PlacedSphere>,
+    pub(super) shapes: Vec<PlacedShape>,
+    pub(super) instances: Vec<Instance>,
+    pub(super) bvh: Bvh,
+    /// Primitives without bounds, which every ray must try.
+    pub(super) unbounded: Vec<u32>,
+    /// A box around everything; `None` where something has no end.
+    pub(super) bounds: Option<Bounds3>,
+    /// Numbers that this level's primitives take, those of placed levels included.
+    pub(super) numbers: u64,
+}
+
+/// Consecutive triangles of one object.
+#[derive(Debug)]
+pub(super) struct TriangleRun {
+    /// First triangle of the run in its level.
+    pub(super) first: u32,
+    /// Index of the object in its group, or [`Level::NO_OBJECT`] in the level of a mesh placed several times.
+    pub(super) object: u32,
+    pub(super) source: TriangleSource,
+    /// The object's matrix mirrors, so that the corners turn the other way.
+    pub(super) mirrored: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) enum TriangleSource {
+    Single(TriangleId),
+    Mesh(MeshId),
+}
+
+/// A sphere that is round in its level's space.
+#[derive(Debug)]
+pub(super) struct PlacedSphere {
+    pub(super) center: DVec3,
+    pub(super) radius: f64,
+    pub(super) object: u32,
+}
+
+/// Any other shape, with the way into its space.
+#[derive(Debug)]
+pub(super) struct PlacedShape {
+    pub(super) shape: Shape,
+    pub(super) object_from_level: DAffine3,
+    pub(super) object: u32,
+}
+
+/// A level placed in another.
+#[derive(Debug)]
+pub(super) struct Instance {
+    /// Index of the placed level.
+    pub(super) level: u32,
+    pub(super) object: u32,
+    pub(super) inner_from_outer: DAffine3,
+    /// Number of its first primitive, counted from the placing level's first.
+    pub(super) first_number: u64,
+}
+
+/// What a primitive number of a level stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Primitive {
+    Triangle(u32),
+    Sphere(u32),
+    Shape(u32),
+    Instance(u32),
+}
+
+impl Level {
+    pub(super) const NO_OBJECT: u32 = u32::MAX;
+
+    /// Primitives, an instance counted as one.
+    pub(super) fn primitives(&self) -> usize {
+        self.triangles.len() + self.spheres.len() + self.shapes.len() + self.instances.len()
+    }
+
+    #[inline]
+    pub(super) fn primitive(&self, index: u32) -> Primitive {
+        let mut rest = index as usize;
+        if rest < self.triangles.len() {
+            return Primitive::Triangle(index);
+        }
+        rest -= self.triangles.len();
+        if rest < self.spheres.len() {
+            return Primitive::Sphere(rest as u32);
+        }
+        rest -= self.spheres.len();
+        if rest < self.shapes.len() {
+            return Primitive::Shape(rest as u32);
+        }
+        Primitive::Instance((rest - self.shapes.len()) as u32)
+    }
+
+    /// The primitive with this number, and the number left over inside it where it is an instance.
+    pub(super) fn by_number(&self, number: u64) -> (Primitive, u64) {
+        let own = (self.primitives() - self.instances.len()) as u64;
+        if number < own {
+            return (self.primitive(number as u32), 0);
+        }
+        let after = self
+            .instances
+            .partition_point(|instance| instance.first_number <= number);
+        let index = after.saturating_sub(1);
+        let first = self
+            .instances
+            .get(index)
+            .map_or(0, |instance| instance.first_number);
+        (Primitive::Instance(index as u32), number - first)
+    }
+
+    #[inline]
+    pub(super) fn corners(&self, triangle: u32) -> [DVec3; 3] {
+        self.triangles[triangle as usize].map(|i| self.vertices[i as usize])
+    }
+
+    /// The run that holds a triangle.
+    pub(super) fn run(&self, triangle: u32) -> Option<&TriangleRun> {
+        let after = self.runs.partition_point(|run| run.first <= triangle);
+        self.runs.get(after.checked_sub(1)?)
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.vertices)
+            + size_of_val(&*self.triangles)
+            + size_of_val(&*self.runs)
+            + size_of_val(&*self.spheres)
+            + size_of_val(&*self.shapes)
+            + size_of_val(&*self.instances)
+            + self.bvh.bytes()
+    }
+}

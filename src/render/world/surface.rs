@@ -1,0 +1,261 @@
+//! What a hit looks like: point, normals, texture coordinates, material.
+
+use super::{
+    World,
+    level::{Level, Primitive, TriangleRun, TriangleSource},
+    trace::Hit,
+};
+use crate::{
+    math::{DAffine3, DVec2, DVec3, Ray, max_abs},
+    scene::{Material, MaterialId, Object, Term},
+};
+
+/// A point on a surface, ready for shading.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SurfacePoint<'s> {
+    /// In world space.
+    pub(crate) position: DVec3,
+    /// Unit normal for shading in world space, turned to the side of the true surface that the ray came from.
+    pub(crate) shading_normal: DVec3,
+    /// Whether the ray came from the front: the outside of a solid.
+    pub(crate) from_front: bool,
+    pub(crate) material: &'s Material,
+    /// Size of the numbers that `position` was computed from.
+    pub(crate) scale: f64,
+    uv: DVec2,
+    object_position: DVec3,
+}
+
+/// A surface in the space of its level.
+struct LocalSurface {
+    /// Outward, not a unit vector.
+    geometric: DVec3,
+    /// The same or interpolated.
+    shading: DVec3,
+    uv: DVec2,
+    /// The point in the object's space, where solid textures live.
+    object_position: DVec3,
+    material: MaterialId,
+    object: u32,
+}
+
+impl<'s> World<'s> {
+    /// The surface where `ray` met `hit`.
+    pub(crate) fn surface(&self, hit: &Hit, ray: &Ray) -> Option<SurfacePoint<'s>> {
+        let scene = self.scene;
+        let position = ray.at(hit.t);
+        let mut level = self.root()?;
+        let mut number = hit.number;
+        let mut level_from_world = DAffine3::IDENTITY;
+        let mut nested = false;
+        // The object that placed the innermost level, whose material a shared mesh takes.
+        let mut placing_material = None;
+        let local = loop {
+            let (primitive, rest) = level.by_number(number);
+            let Primitive::Instance(i) = primitive else {
+                let p = if nested {
+                    level_from_world.transform_point3(position)
+                } else {
+                    position
+                };
+                break self.local_surface(level, primitive, hit, p)?;
+            };
+            let instance = level.instances.get(i as usize)?;
+            placing_material = self.object(level, instance.object).map(|object| object.material);
+            level_from_world = if nested {
+                instance.inner_from_outer * level_from_world
+            } else {
+                instance.inner_from_outer
+            };
+            nested = true;
+            level = self.levels.get(instance.level as usize)?;
+            number = rest;
+        };
+        let object = self.object(level, local.object);
+        let material = match local.material {
+            MaterialId::INHERIT => object.map(|o| o.material).or(placing_material)?,
+            own => own,
+        };
+        let to_world = |n: DVec3| {
+            let n = if nested {
+                level_from_world.matrix3.transpose() * n
+            } else {
+                n
+            };
+            n / n.length()
+        };
+        let mut geometric_normal = to_world(local.geometric);
+        let mut shading_normal = to_world(local.shading);
+        let from_front = geometric_normal.dot(ray.dir) < 0.0;
+        if !from_front {
+            geometric_normal = -geometric_normal;
+        }
+        if shading_normal.dot(geometric_normal) < 0.0 {
+            shading_normal = -shading_normal;
+        }
+        if !shading_normal.is_finite() {
+            shading_normal = geometric_normal;
+        }
+        Some(SurfacePoint {
+            position,
+            shading_normal,
+            from_front,
+            material: scene.materials.get(material.index())?,
+            scale: max_abs(ray.origin).max(max_abs(position)),
+            uv: local.uv,
+            object_position: local.object_position,
+        })
+    }
+
+    /// The object with this index in the group that a level was made from.
+    fn object(&self, level: &Level, index: u32) -> Option<&'s Object> {
+        let group = level.group?;
+        self.scene.groups.get(group.index())?.objects.get(index as usize)
+    }
+
+    /// `p` is the hit in the level's space.
+    fn local_surface(
+        &self,
+        level: &Level,
+        primitive: Primitive,
+        hit: &Hit,
+        p: DVec3,
+    ) -> Option<LocalSurface> {
+        match primitive {
+            Primitive::Triangle(i) => self.triangle_surface(level, level.run(i)?, i, hit, p),
+            Primitive::Sphere(i) => {
+                let sphere = level.spheres.get(i as usize)?;
+                let object = self.object(level, sphere.object)?;
+                let normal = p - sphere.center;
+                let mut local = LocalSurface {
+                    geometric: normal,
+                    shading: normal,
+                    uv: DVec2::ZERO,
+                    object_position: p,
+                    material: object.material,
+                    object: sphere.object,
+                };
+                if self.is_textured(object.material)
+                    && let crate::scene::Geometry::Shape(shape) = &object.geometry
+                {
+                    local.object_position =
+                        self.scene.world_from_object(object).inverse().transform_point3(p);
+                    local.uv = shape.surface(local.object_position, 0).uv;
+                }
+                Some(local)
+            }
+            Primitive::Shape(i) => {
+                let placed = level.shapes.get(i as usize)?;
+                let object = self.object(level, placed.object)?;
+                let object_position = placed.object_from_level.transform_point3(p);
+                let surface = placed.shape.surface(object_position, hit.part);
+                let normal = placed.object_from_level.matrix3.transpose() * surface.normal;
+                Some(LocalSurface {
+                    geometric: normal,
+                    shading: normal,
+                    uv: surface.uv,
+                    object_position,
+                    material: object.material,
+                    object: placed.object,
+                })
+            }
+            Primitive::Instance(_) => None,
+        }
+    }
+
+    fn triangle_surface(
+        &self,
+        level: &Level,
+        run: &TriangleRun,
+        triangle: u32,
+        hit: &Hit,
+        p: DVec3,
+    ) -> Option<LocalSurface> {
+        let [a, b, c] = level.corners(triangle);
+        let cross = (b - a).cross(c - a);
+        let geometric = if run.mirrored { -cross } else { cross };
+        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+        let face = (triangle - run.first) as usize;
+        let object = self.object(level, run.object);
+        let (normals, uvs, own_material) = match run.source {
+            TriangleSource::Single(id) => (self.scene.triangles.get(id.index())?.normals, None, None),
+            TriangleSource::Mesh(id) => {
+                let mesh = self.scene.meshes.get(id.index())?;
+                (
+                    mesh.normals.as_ref().and_then(|normals| normals.corners(face)),
+                    mesh.uvs.as_ref().and_then(|uvs| uvs.corners(face)),
+                    mesh.face_materials.get(face).copied(),
+                )
+            }
+        };
+        let level_from_object = object.map_or(DAffine3::IDENTITY, |o| self.scene.world_from_object(o));
+        let moved = level_from_object != DAffine3::IDENTITY;
+        let shading = match normals {
+            Some([na, nb, nc]) => {
+                // Interpolated as unit vectors, whatever lengths the file gives them.
+                let n = unit(na) * weights[0] + unit(nb) * weights[1] + unit(nc) * weights[2];
+                let n = if moved {
+                    level_from_object.matrix3.inverse().transpose() * n
+                } else {
+                    n
+                };
+                if n.is_finite() && n != DVec3::ZERO {
+                    n
+                } else {
+                    geometric
+                }
+            }
+            None => geometric,
+        };
+        let uv = uvs.map_or(DVec2::new(hit.u, hit.v), |[ua, ub, uc]| {
+            ua * weights[0] + ub * weights[1] + uc * weights[2]
+        });
+        let material = own_material.unwrap_or(MaterialId::INHERIT);
+        let object_position = if moved && self.has_textures() {
+            level_from_object.inverse().transform_point3(p)
+        } else {
+            p
+        };
+        Some(LocalSurface {
+            geometric,
+            shading,
+            uv,
+            object_position,
+            material,
+            object: run.object,
+        })
+    }
+
+    fn has_textures(&self) -> bool {
+        !self.scene.textures.is_empty()
+    }
+
+    fn is_textured(&self, material: MaterialId) -> bool {
+        self.has_textures()
+            && self.scene.materials.get(material.index()).is_some_and(|m| {
+                [
+                    Some(m.ambient),
+                    Some(m.emission),
+                    Some(m.diffuse),
+                    Some(m.specular),
+                    m.reflection,
+                    Some(m.transmission),
+                ]
+                .iter()
+                .flatten()
+                .any(|term| term.texture.is_some())
+            })
+    }
+
+    /// The value of a material's term at a point.
+    pub(crate) fn term(&self, term: &Term, at: &SurfacePoint<'_>) -> DVec3 {
+        match term.texture.and_then(|id| self.scene.textures.get(id.index())) {
+            Some(texture) => term.color * texture.color(at.uv, at.object_position),
+            None => term.color,
+        }
+    }
+}
+
+fn unit(n: DVec3) -> DVec3 {
+    n / n.length()
+}
