@@ -7,6 +7,7 @@
 mod builder;
 mod camera;
 mod dump;
+mod error;
 mod light;
 mod material;
 mod mesh;
@@ -14,8 +15,9 @@ mod settings;
 mod texture;
 mod validate;
 
-pub use builder::{Builder, GroupMark, SceneError};
+pub use builder::{Builder, GroupMark};
 pub use camera::{Camera, CameraFrame};
+pub use error::SceneError;
 pub use light::{Attenuation, Light, LightKind};
 pub use material::{Material, Term};
 pub use mesh::{Attribute, Mesh};

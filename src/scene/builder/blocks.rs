@@ -1,0 +1,99 @@
+//! Blocks that restore what they change, and groups with names.
+
+use super::{Builder, SceneError};
+use crate::{
+    math::DAffine3,
+    scene::{Geometry, Group, GroupId, Material},
+};
+
+/// What a `group` or `define` block restores when it is left; see [`Builder::begin_group`].
+#[derive(Debug)]
+#[must_use = "hand it back to end_group or end_define"]
+pub struct GroupMark {
+    depth: usize,
+    floor: usize,
+    ctm: DAffine3,
+    material: Material,
+    /// The group that was being filled, where the block is a `define`.
+    outer: Option<(String, Group)>,
+}
+
+impl Builder {
+    /// Saves matrix and material until [`Builder::end_group`].
+    ///
+    /// # Errors
+    /// Past the limit `transform_depth`.
+    pub fn begin_group(&mut self) -> Result<GroupMark, SceneError> {
+        let floor = self.floor;
+        self.push_transform()?;
+        self.floor = self.stack.len();
+        Ok(GroupMark {
+            depth: self.stack.len() - 1,
+            floor,
+            ctm: self.ctm,
+            material: self.material.clone(),
+            outer: None,
+        })
+    }
+
+    /// Restores what [`Builder::begin_group`] saved, however the block was left.
+    pub fn end_group(&mut self, mark: GroupMark) {
+        self.warn_unpopped(mark.depth + 1);
+        self.stack.truncate(mark.depth);
+        self.floor = mark.floor;
+        self.ctm = mark.ctm;
+        self.set_material(mark.material);
+    }
+
+    /// Begins a named group in an object space of its own; what is made until [`Builder::end_define`] goes
+    /// into it.
+    ///
+    /// # Errors
+    /// Past the limit `transform_depth`.
+    pub fn begin_define(&mut self, name: &str) -> Result<GroupMark, SceneError> {
+        let mut mark = self.begin_group()?;
+        let outer = std::mem::take(&mut self.group);
+        self.group.name = name.to_owned();
+        self.group.loc = self.loc;
+        self.ctm = DAffine3::IDENTITY;
+        mark.outer = Some((name.to_owned(), outer));
+        Ok(mark)
+    }
+
+    /// Ends a define. With `keep`, its name stands for it from now on; without, it is dropped (the block was
+    /// left by an error).
+    pub fn end_define(&mut self, mut mark: GroupMark, keep: bool) {
+        if let Some((name, outer)) = mark.outer.take() {
+            let group = std::mem::replace(&mut self.group, outer);
+            if keep {
+                let id = GroupId(self.scene.groups.len() as u32);
+                self.scene.groups.push(group);
+                self.scene.names.insert(name, id);
+            }
+        }
+        self.end_group(mark);
+    }
+
+    /// Places the group defined as `name` under the current matrix, its lights too.
+    ///
+    /// # Errors
+    /// Where there is no such group yet, the current matrix is singular, or a limit is passed.
+    pub fn instance(&mut self, name: &str) -> Result<(), SceneError> {
+        let Some(&id) = self.scene.names.get(name) else {
+            let known: Vec<&str> = self.scene.names.keys().map(String::as_str).collect();
+            let error = SceneError::new(format!("no group is defined as \"{name}\""));
+            let near = crate::diag::nearest_names(name, known.iter().copied());
+            return Err(match (near.first(), known.is_empty()) {
+                (Some(near), _) => error.hint(format!("did you mean \"{near}\"?")),
+                (None, true) => error.hint(format!("define \"{name}\" {{ ... }} must come first")),
+                (None, false) => error.hint(format!("defined are: {}", known.join(", "))),
+            });
+        };
+        self.require_invertible("an instance")?;
+        let lights = self.scene.groups[id.index()].lights.clone();
+        for light in lights {
+            self.push_light(light.kind, light.color)?;
+        }
+        self.add(Geometry::Instance(id), 1)
+    }
+}

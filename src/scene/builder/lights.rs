@@ -1,0 +1,136 @@
+//! Lights.
+
+use super::{Builder, SceneError, finite};
+use crate::{
+    color::Color,
+    math::DVec3,
+    scene::{Attenuation, Light, LightKind},
+};
+
+impl Builder {
+    /// Fall-off of the point and area lights made from now on.
+    ///
+    /// # Errors
+    /// Where a term is negative or not finite, or all are 0.
+    pub fn attenuation(&mut self, attenuation: Attenuation) -> Result<(), SceneError> {
+        let Attenuation {
+            constant,
+            linear,
+            quadratic,
+        } = attenuation;
+        let terms = [constant, linear, quadratic];
+        if terms.iter().any(|t| !t.is_finite() || *t < 0.0) || terms == [0.0; 3] {
+            return Err(SceneError::new(format!(
+                "the attenuation's terms must be 0 or greater and not all 0, not {constant}, {linear}, {quadratic}"
+            ))
+            .hint("attenuation(1, 0, 0) is the default: no fall-off"));
+        }
+        self.attenuation = attenuation;
+        Ok(())
+    }
+
+    /// A point light under the current matrix.
+    ///
+    /// # Errors
+    /// Where a number is not finite, or the limit `lights` is passed.
+    pub fn point(&mut self, position: DVec3, color: Color) -> Result<(), SceneError> {
+        let position = finite("the light's position", position)?;
+        self.push_light(
+            LightKind::Point {
+                position,
+                attenuation: self.attenuation,
+            },
+            color,
+        )
+    }
+
+    /// A directional light; `direction` points towards the light and is turned by the current matrix.
+    ///
+    /// # Errors
+    /// Where the direction is zero, a number is not finite, or the limit `lights` is passed.
+    pub fn directional(&mut self, direction: DVec3, color: Color) -> Result<(), SceneError> {
+        let direction = finite("the light's direction", direction)?;
+        self.push_light(LightKind::Directional { direction }, color)
+    }
+
+    /// A parallelogram of `n` x `n` jittered point lights; `color` is the total.
+    ///
+    /// # Errors
+    /// Where `n` is not in 1..=256, a number is not finite, or the limit `lights` is passed.
+    pub fn area_light(
+        &mut self,
+        corner: DVec3,
+        edge1: DVec3,
+        edge2: DVec3,
+        color: Color,
+        n: u32,
+    ) -> Result<(), SceneError> {
+        if !(1..=256).contains(&n) {
+            return Err(SceneError::new(format!(
+                "an area light has a grid of 1 to 256 points along each edge, not {n}"
+            ))
+            .hint("areaLight(corner, edge1, edge2, color, 4) takes 16 points"));
+        }
+        for v in [corner, edge1, edge2] {
+            finite("the area light's corner and edges", v)?;
+        }
+        self.push_light(
+            LightKind::Area {
+                corner,
+                edge1,
+                edge2,
+                n,
+                attenuation: self.attenuation,
+            },
+            color,
+        )
+    }
+
+    pub(super) fn push_light(&mut self, kind: LightKind, color: Color) -> Result<(), SceneError> {
+        finite("the light's color", color)?;
+        if self.lights >= self.limits.lights {
+            return Err(SceneError::limit("too many lights", "lights", self.limits.lights));
+        }
+        let m = &self.ctm;
+        let kind = match kind {
+            LightKind::Point {
+                position,
+                attenuation,
+            } => LightKind::Point {
+                position: m.transform_point3(position),
+                attenuation,
+            },
+            LightKind::Directional { direction } => {
+                let turned = m.transform_vector3(direction);
+                let length = turned.length();
+                if !(length > 0.0) {
+                    return Err(SceneError::new("the light's direction is zero")
+                        .hint("directional(direction, color): the direction points towards the light"));
+                }
+                LightKind::Directional {
+                    direction: turned / length,
+                }
+            }
+            LightKind::Area {
+                corner,
+                edge1,
+                edge2,
+                n,
+                attenuation,
+            } => LightKind::Area {
+                corner: m.transform_point3(corner),
+                edge1: m.transform_vector3(edge1),
+                edge2: m.transform_vector3(edge2),
+                n,
+                attenuation,
+            },
+        };
+        self.lights += 1;
+        self.group.lights.push(Light {
+            kind,
+            color,
+            loc: self.loc,
+        });
+        Ok(())
+    }
+}

@@ -1,0 +1,242 @@
+//! The calls that make a [`Scene`]: matrix stack, material state, shapes, lights, groups.
+//!
+//! Scripts, importers and Rust programs all build through here, so what a value may be is decided once.
+
+mod blocks;
+mod lights;
+mod settings;
+mod shapes;
+mod stack;
+
+use std::collections::{BTreeMap, HashMap};
+
+pub use blocks::GroupMark;
+
+use super::{
+    Attenuation, Camera, Geometry, Group, Material, MaterialId, Object, ROOT_GROUP, Scene, SceneError,
+    Settings, TransformId, material::MaterialKey,
+};
+use crate::{
+    diag::{Diagnostic, Report, SourceLoc},
+    limits::Limits,
+    math::{self, DAffine3, DVec3, max_abs},
+};
+
+/// Builds a [`Scene`] call by call.
+///
+/// ```
+/// use rtscript::{Builder, DVec3};
+/// let mut b = Builder::new();
+/// b.material_mut().diffuse = rtscript::Term::color(DVec3::new(1.0, 0.2, 0.1));
+/// b.directional(DVec3::ONE, DVec3::ONE)?;
+/// b.sphere(DVec3::ZERO, 1.0)?;
+/// let scene = b.finish().value;
+/// assert_eq!(scene.root().objects.len(), 1);
+/// # Ok::<(), rtscript::SceneError>(())
+/// ```
+#[derive(Debug)]
+pub struct Builder {
+    scene: Scene,
+    limits: Limits,
+    /// The group being filled.
+    group: Group,
+    ctm: DAffine3,
+    /// Saved matrices with the place of their push.
+    stack: Vec<(DAffine3, SourceLoc)>,
+    /// Pops may not go below this height: the height at which the innermost block began.
+    floor: usize,
+    material: Material,
+    material_id: Option<MaterialId>,
+    material_ids: HashMap<MaterialKey, MaterialId>,
+    attenuation: Attenuation,
+    primitives: usize,
+    lights: usize,
+    loc: SourceLoc,
+    warnings: Vec<Diagnostic>,
+}
+
+impl Default for Builder {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Builder {
+    /// An empty scene with every default, under the default [`Limits`].
+    #[must_use]
+    pub fn new() -> Self {
+        Self::with_limits(Limits::default())
+    }
+
+    /// An empty scene with every default.
+    #[must_use]
+    pub fn with_limits(limits: Limits) -> Self {
+        Self {
+            scene: Scene {
+                settings: Settings::default(),
+                camera: Camera::default(),
+                groups: vec![Group::default()],
+                materials: Vec::new(),
+                transforms: vec![DAffine3::IDENTITY],
+                textures: Vec::new(),
+                meshes: Vec::new(),
+                triangles: Vec::new(),
+                files: Vec::new(),
+                names: BTreeMap::new(),
+            },
+            limits,
+            group: Group::default(),
+            ctm: DAffine3::IDENTITY,
+            stack: Vec::new(),
+            floor: 0,
+            material: Material::default(),
+            material_id: None,
+            material_ids: HashMap::new(),
+            attenuation: Attenuation::default(),
+            primitives: 0,
+            lights: 0,
+            loc: SourceLoc::default(),
+            warnings: Vec::new(),
+        }
+    }
+
+    /// The limits that are enforced.
+    #[must_use]
+    pub fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    /// Index of a source file's name, for [`SourceLoc::file`].
+    pub fn file(&mut self, name: &str) -> u16 {
+        let files = &mut self.scene.files;
+        let index = files.iter().position(|f| f == name).unwrap_or_else(|| {
+            files.push(name.to_owned());
+            files.len() - 1
+        });
+        u16::try_from(index).unwrap_or(u16::MAX)
+    }
+
+    /// The place that everything made from now on carries.
+    pub fn set_loc(&mut self, loc: SourceLoc) {
+        self.loc = loc;
+    }
+
+    /// The place that everything made now carries.
+    #[must_use]
+    pub fn loc(&self) -> SourceLoc {
+        self.loc
+    }
+
+    /// A warning at the current place.
+    pub fn warn(&mut self, message: impl Into<String>, hint: Option<&str>) {
+        let loc = self.loc;
+        self.warn_at(message, hint, loc);
+    }
+
+    fn warn_at(&mut self, message: impl Into<String>, hint: Option<&str>, loc: SourceLoc) {
+        let mut d = Diagnostic::warning(message);
+        if let Some(file) = self.scene.files.get(usize::from(loc.file)) {
+            d = d.at(file, loc.line, u32::from(loc.column));
+        }
+        d.hints.extend(hint.map(str::to_owned));
+        self.warnings.push(d);
+    }
+
+    /// The scene as it stands; the builder goes on. Used by `render()` in the middle of a script.
+    #[must_use]
+    pub fn snapshot(&mut self) -> Scene {
+        let root = ROOT_GROUP.index();
+        std::mem::swap(&mut self.scene.groups[root], &mut self.group);
+        let scene = self.scene.clone();
+        std::mem::swap(&mut self.scene.groups[root], &mut self.group);
+        scene
+    }
+
+    /// Warnings so far, handed over.
+    pub fn take_warnings(&mut self) -> Vec<Diagnostic> {
+        std::mem::take(&mut self.warnings)
+    }
+
+    /// The complete scene, with warnings for what looks wrong: a push never popped, nothing to see, no light.
+    #[must_use]
+    pub fn finish(mut self) -> Report<Scene> {
+        self.warn_unpopped(0);
+        self.scene.groups[ROOT_GROUP.index()] = self.group;
+        let mut warnings = self.warnings;
+        warnings.extend(super::validate::warnings(&self.scene));
+        Report {
+            value: self.scene,
+            warnings,
+        }
+    }
+
+    fn warn_unpopped(&mut self, from: usize) {
+        let unpopped: Vec<SourceLoc> = self.stack.iter().skip(from).map(|(_, loc)| *loc).collect();
+        for loc in unpopped {
+            self.warn_at(
+                "pushTransform is never popped",
+                Some("add popTransform(), or use group { }"),
+                loc,
+            );
+        }
+    }
+
+    fn require_invertible(&self, what: &str) -> Result<(), SceneError> {
+        if math::is_singular(&self.ctm.matrix3) {
+            return Err(SceneError::new(format!(
+                "{what} cannot be placed under a singular matrix: it is flattened to nothing"
+            ))
+            .hint("is a component of scale(...) 0?"));
+        }
+        Ok(())
+    }
+
+    fn add(&mut self, geometry: Geometry, primitives: usize) -> Result<(), SceneError> {
+        self.primitives = self.primitives.saturating_add(primitives);
+        if self.primitives > self.limits.primitives {
+            return Err(SceneError::limit(
+                "too many shapes",
+                "primitives",
+                self.limits.primitives,
+            ));
+        }
+        let material = match self.material_id {
+            Some(id) => id,
+            None => {
+                let material = self.material.clone();
+                let id = self.material_id(&material);
+                self.material_id = Some(id);
+                id
+            }
+        };
+        let transform = self.transform_id();
+        self.group.objects.push(Object {
+            geometry,
+            transform,
+            material,
+            loc: self.loc,
+        });
+        Ok(())
+    }
+
+    fn transform_id(&mut self) -> TransformId {
+        let transforms = &mut self.scene.transforms;
+        if self.ctm == DAffine3::IDENTITY {
+            return TransformId::IDENTITY;
+        }
+        if transforms.last() != Some(&self.ctm) {
+            transforms.push(self.ctm);
+        }
+        TransformId(transforms.len() as u32 - 1)
+    }
+}
+
+fn finite(what: &str, v: DVec3) -> Result<DVec3, SceneError> {
+    if v.is_finite() && max_abs(v) <= 1e15 {
+        return Ok(v);
+    }
+    Err(SceneError::new(format!(
+        "{what} must be finite numbers within 1e15, not [{}, {}, {}]",
+        v.x, v.y, v.z
+    )))
+}

@@ -1,0 +1,135 @@
+//! The matrix stack.
+
+use super::{Builder, SceneError, finite};
+use crate::math::{self, DAffine3, DMat3, DVec3, max_abs};
+
+impl Builder {
+    /// The current matrix: world (or group) from object.
+    #[must_use]
+    pub fn current_transform(&self) -> DAffine3 {
+        self.ctm
+    }
+
+    /// Saves the current matrix.
+    ///
+    /// # Errors
+    /// Past the limit `transform_depth`.
+    pub fn push_transform(&mut self) -> Result<(), SceneError> {
+        if self.stack.len() >= self.limits.transform_depth {
+            let limit = self.limits.transform_depth;
+            return Err(SceneError::limit(
+                "too many pushTransform and group levels",
+                "transform_depth",
+                limit,
+            )
+            .hint("every pushTransform() wants a popTransform()"));
+        }
+        self.stack.push((self.ctm, self.loc));
+        Ok(())
+    }
+
+    /// Restores the matrix saved last.
+    ///
+    /// # Errors
+    /// Where none is saved, or the last was saved outside the current `group` or `define` block.
+    pub fn pop_transform(&mut self) -> Result<(), SceneError> {
+        if self.stack.len() <= self.floor {
+            let inside = if self.floor > 0 { " inside this block" } else { "" };
+            return Err(
+                SceneError::new(format!("popTransform without a pushTransform before it{inside}"))
+                    .hint("each popTransform() undoes one pushTransform(); remove it or add the push"),
+            );
+        }
+        if let Some((ctm, _)) = self.stack.pop() {
+            self.ctm = ctm;
+        }
+        Ok(())
+    }
+
+    /// Multiplies the current matrix on the right, so that `m` acts before what was there.
+    ///
+    /// # Errors
+    /// Where the product is not finite or beyond 1e15.
+    pub fn multiply(&mut self, m: DAffine3) -> Result<(), SceneError> {
+        let product = self.ctm * m;
+        let largest = [
+            product.matrix3.x_axis,
+            product.matrix3.y_axis,
+            product.matrix3.z_axis,
+            product.translation,
+        ]
+        .map(max_abs)
+        .into_iter()
+        .fold(0.0, f64::max);
+        if !product.is_finite() || largest > 1e15 {
+            return Err(SceneError::new("the current matrix grows beyond 1e15").hint(
+                "is a scale or translate repeated in a loop without pushTransform() and popTransform()?",
+            ));
+        }
+        self.ctm = product;
+        Ok(())
+    }
+
+    /// Moves what is made from now on.
+    ///
+    /// # Errors
+    /// As [`Builder::multiply`].
+    pub fn translate(&mut self, by: DVec3) -> Result<(), SceneError> {
+        self.multiply(DAffine3::from_translation(finite("the translation", by)?))
+    }
+
+    /// Turns what is made from now on about `axis` (any length but 0) by `degrees`, right-handed.
+    ///
+    /// # Errors
+    /// Where the axis is zero, or as [`Builder::multiply`].
+    pub fn rotate(&mut self, axis: DVec3, degrees: f64) -> Result<(), SceneError> {
+        let length = finite("the rotation's axis", axis)?.length();
+        if !(length > 0.0) {
+            return Err(
+                SceneError::new("the rotation's axis is zero").hint("rotate([0, 1, 0], 45) turns about Y")
+            );
+        }
+        if !degrees.is_finite() {
+            return Err(SceneError::new("the rotation's angle is not a finite number"));
+        }
+        self.multiply(DAffine3::from_mat3(math::rotation(axis / length, degrees)))
+    }
+
+    /// Stretches what is made from now on along the axes.
+    ///
+    /// # Errors
+    /// As [`Builder::multiply`].
+    pub fn scale(&mut self, by: DVec3) -> Result<(), SceneError> {
+        self.multiply(DAffine3::from_mat3(DMat3::from_diagonal(finite(
+            "the scale",
+            by,
+        )?)))
+    }
+
+    /// Multiplies by a 4x4 matrix given row by row.
+    ///
+    /// # Errors
+    /// Where it is not affine (last row 0 0 0 1), or as [`Builder::multiply`].
+    pub fn mult_matrix(&mut self, rows: &[f64; 16]) -> Result<(), SceneError> {
+        if let Some(i) = rows.iter().position(|x| !x.is_finite()) {
+            return Err(SceneError::new(format!(
+                "number {} of the matrix is not finite",
+                i + 1
+            )));
+        }
+        let [a, b, c, x, d, e, f, y, g, h, i, z, last @ ..] = *rows;
+        if last != [0.0, 0.0, 0.0, 1.0] {
+            return Err(
+                SceneError::new(format!("the matrix is not affine: its last row is {last:?}"))
+                    .hint("give the 16 numbers row by row; the last row must be 0, 0, 0, 1"),
+            );
+        }
+        let linear = DMat3::from_cols(DVec3::new(a, d, g), DVec3::new(b, e, h), DVec3::new(c, f, i));
+        self.multiply(DAffine3::from_mat3_translation(linear, DVec3::new(x, y, z)))
+    }
+
+    /// Sets the current matrix to the identity.
+    pub fn load_identity(&mut self) {
+        self.ctm = DAffine3::IDENTITY;
+    }
+}

@@ -1,0 +1,63 @@
+//! What a scene cannot hold.
+
+use std::fmt;
+
+use crate::diag::{Diagnostic, ErrorKind};
+
+/// A value the scene cannot hold. It carries no place: the caller knows the line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneError {
+    /// Whose fault it is, usually [`ErrorKind::Script`].
+    pub kind: ErrorKind,
+    /// What is wrong: lower case, no full stop.
+    pub message: String,
+    /// What to do about it.
+    pub hint: Option<String>,
+}
+
+impl SceneError {
+    /// A scene error.
+    #[must_use]
+    pub fn new(message: impl Into<String>) -> Self {
+        Self {
+            kind: ErrorKind::Script,
+            message: message.into(),
+            hint: None,
+        }
+    }
+
+    /// A limit was reached: its name in [`Limits`] and its value.
+    #[must_use]
+    pub fn limit(what: &str, name: &str, value: impl fmt::Display) -> Self {
+        Self {
+            kind: ErrorKind::Limit,
+            message: format!("{what}: the limit '{name}' is {value}"),
+            hint: None,
+        }
+    }
+
+    /// Adds what to do about it.
+    #[must_use]
+    pub fn hint(mut self, hint: impl Into<String>) -> Self {
+        self.hint = Some(hint.into());
+        self
+    }
+}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for SceneError {}
+
+impl From<SceneError> for Diagnostic {
+    fn from(e: SceneError) -> Self {
+        let diagnostic = Self::error(e.kind, e.message);
+        match e.hint {
+            Some(hint) => diagnostic.hint(hint),
+            None => diagnostic,
+        }
+    }
+}
