@@ -54,14 +54,16 @@ impl Box32 {
 
 /// Largest f32 that is not above `x`.
 #[inline]
-pub(super) fn round_down(x: f64) -> f32 {
+#[must_use]
+pub fn round_down(x: f64) -> f32 {
     let y = x as f32;
     if f64::from(y) > x { y.next_down() } else { y }
 }
 
 /// Smallest f32 that is not below `x`.
 #[inline]
-pub(super) fn round_up(x: f64) -> f32 {
+#[must_use]
+pub fn round_up(x: f64) -> f32 {
     let y = x as f32;
     if f64::from(y) < x { y.next_up() } else { y }
 }
@@ -86,7 +88,7 @@ impl Node {
             [f32::NEG_INFINITY; 8],
             [f32::NEG_INFINITY; 8],
         ],
-        children: [Child(u32::MAX); 8],
+        children: [Child::NOTHING; 8],
     };
 
     pub(super) fn set(&mut self, lane: usize, bounds: &Box32, child: Child) {
@@ -98,22 +100,42 @@ impl Node {
     }
 }
 
-/// A node's index, or a leaf: up to [`Child::LEAF_MAX`] consecutive places of the primitive order.
+/// What a leaf holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u32)]
+pub enum LeafKind {
+    /// Blocks of triangles.
+    Triangles = 0,
+    /// Blocks of spheres.
+    Spheres = 1,
+    /// Places of the primitive order, to be looked at one by one.
+    Others = 2,
+}
+
+/// A node's index, or a leaf: consecutive blocks or places.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Child(pub(super) u32);
+pub struct Child(pub(super) u32);
 
 impl Child {
     const LEAF: u32 = 1 << 31;
-    const COUNT_SHIFT: u32 = 28;
+    const KIND_SHIFT: u32 = 29;
+    const COUNT_SHIFT: u32 = 27;
     const FIRST: u32 = (1 << Self::COUNT_SHIFT) - 1;
-    /// Most primitives in a leaf.
-    pub(super) const LEAF_MAX: usize = 8;
-    /// Most primitives in a tree.
-    pub(super) const PRIMITIVES_MAX: usize = Self::FIRST as usize;
+    /// Most blocks or places in a leaf.
+    pub(super) const LEAF_MAX: usize = 4;
+    /// Most blocks or places in a tree.
+    pub(super) const PLACES_MAX: usize = Self::FIRST as usize;
+    /// In an empty lane.
+    pub(super) const NOTHING: Self = Self(u32::MAX);
 
-    pub(super) fn leaf(first: usize, count: usize) -> Self {
-        debug_assert!((1..=Self::LEAF_MAX).contains(&count) && first <= Self::PRIMITIVES_MAX);
-        Self(Self::LEAF | ((count as u32 - 1) << Self::COUNT_SHIFT) | first as u32)
+    pub(super) fn leaf(kind: LeafKind, first: usize, count: usize) -> Self {
+        debug_assert!((1..=Self::LEAF_MAX).contains(&count) && first <= Self::PLACES_MAX);
+        Self(
+            Self::LEAF
+                | (kind as u32) << Self::KIND_SHIFT
+                | (count as u32 - 1) << Self::COUNT_SHIFT
+                | first as u32,
+        )
     }
 
     #[inline(always)]
@@ -121,11 +143,23 @@ impl Child {
         self.0 & Self::LEAF != 0
     }
 
-    /// Range of the primitive order that a leaf covers.
+    /// What a leaf holds.
     #[inline(always)]
-    pub(super) fn range(self) -> std::ops::Range<usize> {
+    #[must_use]
+    pub fn kind(self) -> LeafKind {
+        match self.0 >> Self::KIND_SHIFT & 3 {
+            0 => LeafKind::Triangles,
+            1 => LeafKind::Spheres,
+            _ => LeafKind::Others,
+        }
+    }
+
+    /// Blocks, or places of the primitive order, that a leaf covers.
+    #[inline(always)]
+    #[must_use]
+    pub fn range(self) -> std::ops::Range<usize> {
         let first = (self.0 & Self::FIRST) as usize;
-        first..first + ((self.0 >> Self::COUNT_SHIFT) & 7) as usize + 1
+        first..first + (self.0 >> Self::COUNT_SHIFT & 3) as usize + 1
     }
 }
 
@@ -145,8 +179,8 @@ mod tests {
 
     #[test]
     fn children_remember_their_range() {
-        let leaf = Child::leaf(12_345, 7);
+        let leaf = Child::leaf(LeafKind::Spheres, 12_345, 3);
         assert!(leaf.is_leaf() && !Child(5).is_leaf());
-        assert_eq!(leaf.range(), 12_345..12_352);
+        assert_eq!((leaf.kind(), leaf.range()), (LeafKind::Spheres, 12_345..12_348));
     }
 }

@@ -4,24 +4,110 @@
 
 use rayon::prelude::*;
 
-use super::boxes::{Box32, Child, Node};
+use super::{
+    blocks::BLOCK,
+    boxes::{Box32, Child, LeafKind, Node},
+};
 
 const BINS: usize = 16;
-/// Cost of visiting a node, in primitive tests.
-const NODE_COST: f32 = 2.0;
-/// A leaf of this size is not split further where that does not pay.
-const LEAF_MAX: usize = 4;
+/// Cost of visiting a node, in tests of one block.
+const NODE_COST: f32 = 1.0;
+/// Cost of a primitive that stands alone, in tests of one block.
+const ALONE_COST: f32 = 2.0;
+/// Most primitives in a leaf.
+const LEAF_MAX: usize = BLOCK;
 /// Below this depth every split halves, which bounds the depth of the tree and so the traversal's stack.
 const SAH_DEPTH: usize = 20;
 /// Subtrees above this size are built in parallel.
 const PARALLEL: usize = 4096;
 
-/// A tree over primitives that are known by their boxes only.
+/// A tree over primitives that are known by their boxes and kinds only.
 #[derive(Debug, Default)]
 pub struct Bvh {
     pub(super) nodes: Vec<Node>,
-    /// Primitive indices in the order of the leaves.
-    pub(super) order: Vec<u32>,
+    /// Indices of the primitives that are in no block, in the order of the leaves.
+    others: Vec<u32>,
+}
+
+/// How many primitives there are of the kinds that share blocks. They are numbered in the order of the fields,
+/// and all others after them.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Kinds {
+    /// Triangles.
+    pub triangles: usize,
+    /// Spheres.
+    pub spheres: usize,
+}
+
+impl Kinds {
+    #[inline]
+    fn of(self, index: u32) -> LeafKind {
+        let index = index as usize;
+        if index < self.triangles {
+            LeafKind::Triangles
+        } else if index < self.triangles + self.spheres {
+            LeafKind::Spheres
+        } else {
+            LeafKind::Others
+        }
+    }
+}
+
+impl Bvh {
+    /// A tree over `boxes`; primitive `i` has the box `boxes[i]`. An empty box is never entered.
+    ///
+    /// The primitives of a leaf are of one kind. Those of a leaf of triangles or spheres, four at the most, are
+    /// handed to `block`, which is to make them the next block of that kind.
+    #[must_use]
+    pub fn build(boxes: &[Box32], kinds: Kinds, mut block: impl FnMut(LeafKind, &[u32])) -> Self {
+        let count = boxes.len().min(Child::PLACES_MAX);
+        let mut items: Vec<Item> = boxes[..count]
+            .iter()
+            .zip(0..)
+            .map(|(&bounds, index)| Item { bounds, index })
+            .collect();
+        if items.is_empty() {
+            return Self::default();
+        }
+        let mut nodes = build_node(&mut items, kinds, 0, 0);
+        let mut others = Vec::new();
+        let mut blocks = [0; 2];
+        let mut indices = Vec::with_capacity(LEAF_MAX);
+        for child in nodes.iter_mut().flat_map(|node| &mut node.children) {
+            if !child.is_leaf() || *child == Child::NOTHING {
+                continue;
+            }
+            indices.clear();
+            indices.extend(items[child.range()].iter().map(|item| item.index));
+            // In the order of their numbers, so that the tree alone decides what a block holds.
+            indices.sort_unstable();
+            *child = match child.kind() {
+                LeafKind::Others => {
+                    others.extend_from_slice(&indices);
+                    Child::leaf(LeafKind::Others, others.len() - indices.len(), indices.len())
+                }
+                kind => {
+                    block(kind, &indices);
+                    blocks[kind as usize] += 1;
+                    Child::leaf(kind, blocks[kind as usize] - 1, 1)
+                }
+            };
+        }
+        Self { nodes, others }
+    }
+
+    /// Bytes of memory the tree takes, blocks not counted.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.nodes) + size_of_val(&*self.others)
+    }
+
+    /// The primitives of a leaf of [`LeafKind::Others`].
+    #[inline]
+    #[must_use]
+    pub fn others(&self, leaf: Child) -> &[u32] {
+        self.others.get(leaf.range()).unwrap_or_default()
+    }
 }
 
 /// A primitive while the tree is being built.
@@ -31,14 +117,40 @@ struct Item {
     index: u32,
 }
 
+/// Numbers of primitives that share blocks and of those that stand alone.
+#[derive(Clone, Copy, Default)]
+struct Load {
+    packed: u32,
+    alone: u32,
+}
+
+impl Load {
+    #[inline]
+    fn add(&mut self, other: Self) {
+        self.packed += other.packed;
+        self.alone += other.alone;
+    }
+
+    /// In tests of one block.
+    #[inline]
+    fn cost(self) -> f32 {
+        self.packed.div_ceil(BLOCK as u32) as f32 + ALONE_COST * self.alone as f32
+    }
+
+    fn is_empty(self) -> bool {
+        self.packed + self.alone == 0
+    }
+}
+
 /// What is to become a child: consecutive items, their box, and how best to split them.
 struct Part<'a> {
     items: &'a mut [Item],
     bounds: Box32,
+    load: Load,
     split: Option<Split>,
 }
 
-/// Items below `plane` in bin units along `axis` go left.
+/// Items in bins below `plane` along `axis` go left.
 #[derive(Clone, Copy)]
 struct Split {
     axis: usize,
@@ -61,89 +173,50 @@ fn bin(center2: f32, min: f32, scale: f32) -> usize {
     (((center2 - min) * scale) as usize).min(BINS - 1)
 }
 
-impl Bvh {
-    /// A tree over `boxes`; primitive `i` has the box `boxes[i]`. An empty box is never hit.
-    #[must_use]
-    pub fn build(boxes: &[Box32]) -> Self {
-        let count = boxes.len().min(Child::PRIMITIVES_MAX);
-        let mut items: Vec<Item> = boxes[..count]
-            .iter()
-            .zip(0..)
-            .map(|(&bounds, index)| Item { bounds, index })
-            .collect();
-        if items.is_empty() {
-            return Self::default();
-        }
-        let nodes = build_node(&mut items, 0, 0);
-        Self {
-            nodes,
-            order: items.iter().map(|item| item.index).collect(),
-        }
-    }
-
-    /// Bytes of memory the tree takes.
-    #[must_use]
-    pub fn bytes(&self) -> usize {
-        self.nodes.len() * size_of::<Node>() + self.order.len() * size_of::<u32>()
-    }
-
-    /// The box around everything.
-    #[must_use]
-    pub fn bounds(&self) -> Box32 {
-        let mut bounds = Box32::EMPTY;
-        if let Some(root) = self.nodes.first() {
-            for lane in 0..8 {
-                let plane = |k: usize| root.planes[k][lane];
-                bounds.grow(&Box32 {
-                    min: [plane(0), plane(1), plane(2)],
-                    max: [plane(3), plane(4), plane(5)],
-                });
-            }
-        }
-        bounds
-    }
-}
-
-/// Nodes of the subtree over `items`, its root first. `first` is the place of `items[0]` in the whole order;
-/// node indices count from the subtree's root.
-fn build_node(items: &mut [Item], first: usize, depth: usize) -> Vec<Node> {
+/// Nodes of the subtree over `items`, its root first. `first` is the place of `items[0]` among all items; node
+/// indices count from the subtree's root.
+fn build_node(items: &mut [Item], kinds: Kinds, first: usize, depth: usize) -> Vec<Node> {
     let count = items.len();
-    let mut parts = vec![Part::new(items, depth)];
+    let mut parts = vec![Part::new(items, kinds, depth)];
     while parts.len() < 8 {
-        let widest = (0..parts.len())
-            .filter(|&i| parts[i].should_split(parts.len() == 1))
+        let next = (0..parts.len())
+            .filter(|&i| parts[i].should_split(kinds, parts.len() == 1))
             .max_by(|&a, &b| {
                 parts[a]
                     .weight(depth)
                     .total_cmp(&parts[b].weight(depth))
                     .then(b.cmp(&a))
             });
-        let Some(widest) = widest else { break };
-        let (left, right) = parts.remove(widest).divide(depth);
-        parts.insert(widest, right);
-        parts.insert(widest, left);
+        let Some(next) = next else { break };
+        let (left, right) = parts.remove(next).divide(kinds, depth);
+        parts.insert(next, right);
+        parts.insert(next, left);
     }
-    let mut at = first;
-    let starts: Vec<usize> = parts
-        .iter()
+    let mut end = first;
+    let work: Vec<(Part<'_>, usize)> = parts
+        .into_iter()
         .map(|part| {
-            at += part.items.len();
-            at - part.items.len()
+            let start = end;
+            end += part.items.len();
+            (part, start)
         })
         .collect();
-    let boxes: Vec<Box32> = parts.iter().map(|part| part.bounds).collect();
+    let boxes: Vec<Box32> = work.iter().map(|(part, _)| part.bounds).collect();
     let subtree = |(part, start): (Part<'_>, usize)| {
-        if part.is_leaf() {
-            Err(Child::leaf(start, part.items.len()))
+        if part.should_split(kinds, false) {
+            Ok(build_node(part.items, kinds, start, depth + 1))
         } else {
-            Ok(build_node(part.items, start, depth + 1))
+            let kind = part
+                .items
+                .first()
+                .map_or(LeafKind::Others, |item| kinds.of(item.index));
+            Err(Child::leaf(kind, start, part.items.len()))
         }
     };
-    let work = parts.into_iter().zip(starts);
     let subtrees: Vec<Result<Vec<Node>, Child>> = if count > PARALLEL {
-        work.collect::<Vec<_>>().into_par_iter().map(subtree).collect()
+        work.into_par_iter().map(subtree).collect()
     } else {
-        work.map(subtree).collect()
+        work.into_iter().map(subtree).collect()
     };
 
     let mut nodes = vec![Node::EMPTY];
@@ -152,11 +225,9 @@ fn build_node(items: &mut [Item], first: usize, depth: usize) -> Vec<Node> {
             Err(leaf) => leaf,
             Ok(mut below) => {
                 let offset = nodes.len() as u32;
-                for node in &mut below {
-                    for child in &mut node.children {
-                        if !child.is_leaf() {
-                            child.0 += offset;
-                        }
+                for child in below.iter_mut().flat_map(|node| &mut node.children) {
+                    if !child.is_leaf() {
+                        child.0 += offset;
                     }
                 }
                 nodes.append(&mut below);
@@ -169,9 +240,10 @@ fn build_node(items: &mut [Item], first: usize, depth: usize) -> Vec<Node> {
 }
 
 impl<'a> Part<'a> {
-    fn new(items: &'a mut [Item], depth: usize) -> Self {
+    fn new(items: &'a mut [Item], kinds: Kinds, depth: usize) -> Self {
         let mut bounds = Box32::EMPTY;
         let mut centers = Box32::EMPTY;
+        let mut load = Load::default();
         for item in items.iter() {
             bounds.grow(&item.bounds);
             let center = [0, 1, 2].map(|k| item.bounds.center2(k));
@@ -179,13 +251,19 @@ impl<'a> Part<'a> {
                 min: center,
                 max: center,
             });
+            load.add(kinds.load(item));
         }
         let split = if depth < SAH_DEPTH && items.len() > 1 {
-            best_split(items, &centers)
+            best_split(items, kinds, &centers)
         } else {
             None
         };
-        Self { items, bounds, split }
+        Self {
+            items,
+            bounds,
+            load,
+            split,
+        }
     }
 
     /// The part of greatest weight is split next: the largest, or the fullest where splits only halve.
@@ -197,32 +275,48 @@ impl<'a> Part<'a> {
         }
     }
 
-    fn is_leaf(&self) -> bool {
-        !self.should_split(false)
-    }
-
-    /// Whether splitting pays; a root is always split if it can be.
-    fn should_split(&self, is_root: bool) -> bool {
+    /// Whether it cannot stay one leaf, or splitting pays; a root is always split if it can be.
+    fn should_split(&self, kinds: Kinds, is_root: bool) -> bool {
         let n = self.items.len();
         if n <= 1 {
             return false;
         }
-        if n > LEAF_MAX || is_root {
+        if n > LEAF_MAX || is_root || self.is_mixed(kinds) {
             return true;
         }
         let area = self.bounds.half_area();
         self.split
-            .is_some_and(|split| split.cost + NODE_COST * area < n as f32 * area)
+            .is_some_and(|split| split.cost + NODE_COST * area < self.load.cost() * area)
     }
 
-    fn divide(self, depth: usize) -> (Self, Self) {
+    fn is_mixed(&self, kinds: Kinds) -> bool {
+        let kind = |item: &Item| kinds.of(item.index);
+        self.items.windows(2).any(|pair| kind(&pair[0]) != kind(&pair[1]))
+    }
+
+    fn divide(self, kinds: Kinds, depth: usize) -> (Self, Self) {
         let middle = match self.split {
+            // Too few to be worth a box each, but of different kinds.
+            _ if self.items.len() <= LEAF_MAX && self.is_mixed(kinds) => {
+                let last = self.items.iter().map(|item| kinds.of(item.index)).max();
+                partition(self.items, |item| Some(kinds.of(item.index)) < last)
+            }
             Some(split) => partition(self.items, |item| split.bin(item) < split.plane),
             // All centers are the same, or the tree is too deep: halve.
             None => self.items.len() / 2,
         };
         let (left, right) = self.items.split_at_mut(middle);
-        (Part::new(left, depth), Part::new(right, depth))
+        (Part::new(left, kinds, depth), Part::new(right, kinds, depth))
+    }
+}
+
+impl Kinds {
+    #[inline]
+    fn load(self, item: &Item) -> Load {
+        match self.of(item.index) {
+            LeafKind::Others => Load { packed: 0, alone: 1 },
+            _ => Load { packed: 1, alone: 0 },
+        }
     }
 }
 
@@ -240,20 +334,21 @@ fn partition(items: &mut [Item], left: impl Fn(&Item) -> bool) -> usize {
     begin
 }
 
-/// The split of least cost (area times number, left plus right) over all three axes; `None` where all centers
+/// The split of least cost (area times load, left plus right) over all three axes; `None` where all centers
 /// coincide.
-fn best_split(items: &[Item], centers: &Box32) -> Option<Split> {
+fn best_split(items: &[Item], kinds: Kinds, centers: &Box32) -> Option<Split> {
     let mut boxes = [[Box32::EMPTY; BINS]; 3];
-    let mut counts = [[0u32; BINS]; 3];
+    let mut loads = [[Load::default(); BINS]; 3];
     let scales = [0, 1, 2].map(|k| {
         let scale = BINS as f32 * 0.9999 / (centers.max[k] - centers.min[k]);
         if scale.is_finite() { scale } else { 0.0 }
     });
     for item in items {
+        let load = kinds.load(item);
         for k in 0..3 {
             let i = bin(item.bounds.center2(k), centers.min[k], scales[k]);
             boxes[k][i].grow(&item.bounds);
-            counts[k][i] += 1;
+            loads[k][i].add(load);
         }
     }
     let mut best: Option<Split> = None;
@@ -262,20 +357,20 @@ fn best_split(items: &[Item], centers: &Box32) -> Option<Split> {
             continue;
         }
         let mut right_cost = [f32::INFINITY; BINS];
-        let (mut bounds, mut count) = (Box32::EMPTY, 0);
+        let (mut bounds, mut load) = (Box32::EMPTY, Load::default());
         for i in (1..BINS).rev() {
             bounds.grow(&boxes[axis][i]);
-            count += counts[axis][i];
-            if count > 0 {
-                right_cost[i] = bounds.half_area() * count as f32;
+            load.add(loads[axis][i]);
+            if !load.is_empty() {
+                right_cost[i] = bounds.half_area() * load.cost();
             }
         }
-        (bounds, count) = (Box32::EMPTY, 0);
+        (bounds, load) = (Box32::EMPTY, Load::default());
         for plane in 1..BINS {
             bounds.grow(&boxes[axis][plane - 1]);
-            count += counts[axis][plane - 1];
-            let cost = bounds.half_area() * count as f32 + right_cost[plane];
-            if count > 0 && cost.is_finite() && best.is_none_or(|b| cost < b.cost) {
+            load.add(loads[axis][plane - 1]);
+            let cost = bounds.half_area() * load.cost() + right_cost[plane];
+            if !load.is_empty() && cost.is_finite() && best.is_none_or(|b| cost < b.cost) {
                 best = Some(Split {
                     axis,
                     min: centers.min[axis],

@@ -4,10 +4,15 @@
 //! a ray in that misses, and never keep one out that hits. So the nearest hit is a matter of the primitives
 //! alone, and neither the shape of the tree nor the instructions used can move a bit of a picture.
 
+mod blocks;
 mod boxes;
 mod build;
+mod four;
+mod lanes;
 mod traverse;
 
-pub use boxes::Box32;
-pub use build::Bvh;
+pub use blocks::{BLOCK, Candidates, NONE, RayBlock, Spheres, Triangles};
+pub use boxes::{Box32, Child, LeafKind, round_down, round_up};
+pub use build::{Bvh, Kinds};
+pub use lanes::Simd;
 pub use traverse::{Control, RayBox};

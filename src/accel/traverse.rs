@@ -1,8 +1,15 @@
-//! Traversal: which primitives a ray may hit, nearest boxes first.
+//! Traversal: which leaves a ray may hit something in, nearest first.
 
+#![allow(unsafe_code)]
+
+use std::mem::MaybeUninit;
+
+#[cfg(target_arch = "x86_64")]
+use super::lanes::Avx2;
 use super::{
     boxes::{Child, Node, round_down, round_up},
     build::Bvh,
+    lanes::{Lanes, Portable, Simd, prefetch},
 };
 use crate::math::Ray;
 
@@ -34,6 +41,7 @@ pub struct RayBox {
 
 impl RayBox {
     /// Prepares a ray.
+    #[inline]
     #[must_use]
     pub fn new(ray: &Ray) -> Self {
         let mut prepared = Self {
@@ -44,95 +52,208 @@ impl RayBox {
             inverse_near: [0.0; 3],
             inverse_far: [0.0; 3],
         };
-        let slack = 8.0 * f64::from(f32::EPSILON);
+        const SLACK: f64 = 8.0 * f32::EPSILON as f64;
         for k in 0..3 {
             let (o, d) = (ray.origin[k], ray.dir[k]);
             // Finite, so that 0 * inverse is 0: a ray in the plane of a face is inside.
-            let inverse = |x: f64| x.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32;
-            prepared.inverse_near[k] = inverse((1.0 - slack) / d);
-            prepared.inverse_far[k] = inverse((1.0 + slack) / d);
+            let inverse = (1.0 / d).clamp(f64::from(f32::MIN), f64::from(f32::MAX));
+            prepared.inverse_near[k] = (inverse * (1.0 - SLACK)) as f32;
+            prepared.inverse_far[k] =
+                (inverse * (1.0 + SLACK)).clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32;
+            let (below, above) = (round_down(o), round_up(o));
             if d.is_sign_negative() {
                 (prepared.near[k], prepared.far[k]) = (k + 3, k);
-                (prepared.origin_near[k], prepared.origin_far[k]) = (round_down(o), round_up(o));
+                (prepared.origin_near[k], prepared.origin_far[k]) = (below, above);
             } else {
-                (prepared.origin_near[k], prepared.origin_far[k]) = (round_up(o), round_down(o));
+                (prepared.origin_near[k], prepared.origin_far[k]) = (above, below);
             }
         }
         prepared
     }
-
-    /// Entry distances of the eight boxes, infinite where the ray misses or enters beyond `t_max`.
-    #[inline(always)]
-    fn enter(&self, node: &Node, t_max: f32) -> [f32; 8] {
-        let mut entry = [0.0f32; 8];
-        let mut exit = [t_max; 8];
-        for k in 0..3 {
-            let (near, far) = (&node.planes[self.near[k]], &node.planes[self.far[k]]);
-            for lane in 0..8 {
-                let t_near = (near[lane] - self.origin_near[k]) * self.inverse_near[k];
-                let t_far = (far[lane] - self.origin_far[k]) * self.inverse_far[k];
-                entry[lane] = if t_near > entry[lane] { t_near } else { entry[lane] };
-                exit[lane] = if t_far < exit[lane] { t_far } else { exit[lane] };
-            }
-        }
-        for lane in 0..8 {
-            entry[lane] = if entry[lane] <= exit[lane] {
-                entry[lane]
-            } else {
-                f32::INFINITY
-            };
-        }
-        entry
-    }
 }
 
-/// Seven siblings wait at each of at most 30 levels (see `SAH_DEPTH` in the builder).
+/// Seven siblings wait at each of at most 31 levels: 20 by area (`SAH_DEPTH` in the builder), then 27 halvings,
+/// three to a level and one over.
 const STACK: usize = 7 * 34;
 
+/// Where a ray has still to go.
+#[derive(Clone, Copy)]
+struct Waiting {
+    child: Child,
+    entry: f32,
+}
+
 impl Bvh {
-    /// Calls `visit` with each primitive whose surroundings the ray enters before `t_max`, roughly nearest
-    /// first. `visit` may lower `t_max` to what it found.
+    /// Calls `visit` with each leaf whose box the ray enters before `t_max`, roughly nearest first; with `ANY` in
+    /// no particular order. `visit` may lower the bound it is given to what it found.
     #[inline]
-    pub fn traverse(&self, ray: &RayBox, t_max: &mut f64, mut visit: impl FnMut(u32, &mut f64) -> Control) {
-        let Some(root) = self.nodes.first() else { return };
-        let mut stack = [(Child(0), 0.0f32); STACK];
-        let mut top = 0;
-        let mut node = root;
-        let mut bound = round_up(*t_max);
-        loop {
-            let entry = ray.enter(node, bound);
-            let base = top;
-            for lane in 0..8 {
-                if entry[lane] < f32::INFINITY {
-                    // Kept in order, the nearest on top.
-                    let mut place = top;
-                    while place > base && stack[place - 1].1 < entry[lane] {
-                        stack[place] = stack[place - 1];
-                        place -= 1;
-                    }
-                    stack[place] = (node.children[lane], entry[lane]);
-                    top += 1;
-                }
+    pub fn traverse<const ANY: bool>(
+        &self,
+        ray: &RayBox,
+        t_max: f64,
+        visit: impl FnMut(Child, &mut f32) -> Control,
+    ) {
+        let bound = round_up(t_max);
+        // SAFETY: `detect` names only what the processor has.
+        unsafe {
+            match Simd::detect() {
+                Simd::Portable => self.traverse_with::<Portable, ANY>(ray, bound, visit),
+                #[cfg(target_arch = "x86_64")]
+                Simd::Avx2 => self.traverse_avx2::<ANY>(ray, bound, visit),
             }
-            node = loop {
-                if top == 0 {
+        }
+    }
+
+    /// # Safety
+    /// The processor must have these features.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,bmi1,lzcnt")]
+    unsafe fn traverse_avx2<const ANY: bool>(
+        &self,
+        ray: &RayBox,
+        bound: f32,
+        visit: impl FnMut(Child, &mut f32) -> Control,
+    ) {
+        // SAFETY: the caller's promise.
+        unsafe { self.traverse_with::<Avx2, ANY>(ray, bound, visit) }
+    }
+
+    /// The traversal itself, for any lanes.
+    ///
+    /// # Safety
+    /// The processor must have the instructions of `L`.
+    #[inline(always)]
+    unsafe fn traverse_with<L: Lanes, const ANY: bool>(
+        &self,
+        ray: &RayBox,
+        mut bound: f32,
+        mut visit: impl FnMut(Child, &mut f32) -> Control,
+    ) {
+        // SAFETY: the caller promises the instructions of `L`. Node indices come from the builder, which makes
+        // each child's index that of a node; the stack holds seven siblings for every level the tree can have.
+        unsafe {
+            if self.nodes.is_empty() {
+                return;
+            }
+            let nodes = self.nodes.as_ptr();
+            let near = ray.near;
+            let far = ray.far;
+            let origin_near = ray.origin_near.map(|x| L::splat(x));
+            let origin_far = ray.origin_far.map(|x| L::splat(x));
+            let inverse_near = ray.inverse_near.map(|x| L::splat(x));
+            let inverse_far = ray.inverse_far.map(|x| L::splat(x));
+            let zero = L::splat(0.0);
+            let mut stack: [MaybeUninit<Waiting>; STACK] = [const { MaybeUninit::uninit() }; STACK];
+            let mut top = 0usize;
+            let mut current = Child(0);
+            loop {
+                while !current.is_leaf() {
+                    let node = &*nodes.add(current.0 as usize);
+                    let distance = |plane: usize, origin: L::F, inverse: L::F| {
+                        L::mul(L::sub(L::load(node.planes.get_unchecked(plane)), origin), inverse)
+                    };
+                    let enter_x = distance(near[0], origin_near[0], inverse_near[0]);
+                    let enter_y = distance(near[1], origin_near[1], inverse_near[1]);
+                    let enter_z = distance(near[2], origin_near[2], inverse_near[2]);
+                    let leave_x = distance(far[0], origin_far[0], inverse_far[0]);
+                    let leave_y = distance(far[1], origin_far[1], inverse_far[1]);
+                    let leave_z = distance(far[2], origin_far[2], inverse_far[2]);
+                    let enter = L::max(L::max(enter_x, enter_y), L::max(enter_z, zero));
+                    let leave = L::min(L::min(leave_x, leave_y), L::min(leave_z, L::splat(bound)));
+                    let mut mask = L::at_most(enter, leave);
+                    if mask == 0 {
+                        break;
+                    }
+                    let child = |lane: u32| *node.children.get_unchecked(lane as usize & 7);
+                    let first = mask.trailing_zeros();
+                    mask &= mask - 1;
+                    if mask == 0 {
+                        current = child(first);
+                        continue;
+                    }
+                    if ANY {
+                        current = child(first);
+                        self.prefetch(current);
+                        while mask != 0 {
+                            let next = child(mask.trailing_zeros());
+                            mask &= mask - 1;
+                            self.prefetch(next);
+                            stack.get_unchecked_mut(top).write(Waiting {
+                                child: next,
+                                entry: 0.0,
+                            });
+                            top += 1;
+                        }
+                        continue;
+                    }
+                    let entries = L::store(enter);
+                    let waiting = |lane: u32| Waiting {
+                        child: child(lane),
+                        entry: entries[lane as usize & 7],
+                    };
+                    let second = mask.trailing_zeros();
+                    mask &= mask - 1;
+                    let (mut a, mut b) = (waiting(first), waiting(second));
+                    self.prefetch(a.child);
+                    self.prefetch(b.child);
+                    if b.entry < a.entry {
+                        std::mem::swap(&mut a, &mut b);
+                    }
+                    let base = top;
+                    stack.get_unchecked_mut(top).write(b);
+                    top += 1;
+                    if mask == 0 {
+                        current = a.child;
+                        continue;
+                    }
+                    stack.get_unchecked_mut(top).write(a);
+                    top += 1;
+                    while mask != 0 {
+                        let next = waiting(mask.trailing_zeros());
+                        mask &= mask - 1;
+                        self.prefetch(next.child);
+                        // Kept in order, the nearest on top.
+                        let mut place = top;
+                        while place > base {
+                            let below = stack.get_unchecked(place - 1).assume_init();
+                            if below.entry >= next.entry {
+                                break;
+                            }
+                            stack.get_unchecked_mut(place).write(below);
+                            place -= 1;
+                        }
+                        stack.get_unchecked_mut(place).write(next);
+                        top += 1;
+                    }
+                    top -= 1;
+                    current = stack.get_unchecked(top).assume_init().child;
+                }
+                if current.is_leaf() && visit(current, &mut bound) == Control::Stop {
                     return;
                 }
-                top -= 1;
-                let (child, entry) = stack[top];
-                if entry > bound {
-                    continue;
-                }
-                if !child.is_leaf() {
-                    break &self.nodes[child.0 as usize];
-                }
-                for &primitive in &self.order[child.range()] {
-                    if visit(primitive, t_max) == Control::Stop {
+                loop {
+                    if top == 0 {
                         return;
                     }
+                    top -= 1;
+                    let next = stack.get_unchecked(top).assume_init();
+                    if ANY || next.entry <= bound {
+                        current = next.child;
+                        break;
+                    }
                 }
-                bound = round_up(*t_max);
-            };
+            }
+        }
+    }
+
+    /// Asks for a node's memory before it is needed.
+    #[inline(always)]
+    fn prefetch(&self, child: Child) {
+        if !child.is_leaf() {
+            let node = self.nodes.as_ptr().wrapping_add(child.0 as usize).cast::<u8>();
+            for line in 0..size_of::<Node>() / 64 {
+                prefetch(node.wrapping_add(64 * line));
+            }
         }
     }
 }
@@ -141,7 +262,7 @@ impl Bvh {
 mod tests {
     use super::*;
     use crate::{
-        accel::Box32,
+        accel::{Box32, Kinds, LeafKind},
         math::{Bounds3, DVec3},
     };
 
@@ -174,28 +295,68 @@ mod tests {
         t0 <= t1
     }
 
+    /// A tree with its blocks as plain lists.
+    fn build(boxes: &[Bounds3], kinds: Kinds) -> (Bvh, [Vec<Vec<u32>>; 2]) {
+        let mut blocks = [const { Vec::new() }; 2];
+        let boxes: Vec<Box32> = boxes.iter().map(Box32::around).collect();
+        let bvh = Bvh::build(&boxes, kinds, |kind, indices| {
+            blocks[kind as usize].push(indices.to_vec())
+        });
+        (bvh, blocks)
+    }
+
+    /// The primitives whose leaves a ray visits, with both sets of instructions.
+    fn visited(bvh: &Bvh, blocks: &[Vec<Vec<u32>>; 2], ray: &Ray) -> Vec<u32> {
+        let prepared = RayBox::new(ray);
+        let collect = |run: &dyn Fn(&mut dyn FnMut(Child))| {
+            let mut seen = Vec::new();
+            run(&mut |leaf| match leaf.kind() {
+                LeafKind::Others => seen.extend_from_slice(bvh.others(leaf)),
+                kind => seen.extend(
+                    leaf.range()
+                        .flat_map(|block| blocks[kind as usize][block].clone()),
+                ),
+            });
+            seen.sort_unstable();
+            seen
+        };
+        let fast = collect(&|visit| {
+            bvh.traverse::<false>(&prepared, f64::INFINITY, |leaf, _| {
+                visit(leaf);
+                Control::Continue
+            });
+        });
+        let plain = collect(&|visit| {
+            // SAFETY: plain arithmetic.
+            unsafe {
+                bvh.traverse_with::<Portable, true>(&prepared, f32::INFINITY, |leaf, _| {
+                    visit(leaf);
+                    Control::Continue
+                });
+            }
+        });
+        assert_eq!(fast, plain, "the instructions do not matter");
+        fast
+    }
+
     #[test]
     fn every_box_a_ray_enters_is_visited() {
         for n in [1, 2, 7, 100, 5000] {
             let boxes = boxes(n);
-            let bvh = Bvh::build(&boxes.iter().map(Box32::around).collect::<Vec<_>>());
-            let mut order = bvh.order.clone();
-            order.sort_unstable();
-            assert!(
-                order.iter().copied().eq(0..n as u32),
-                "each primitive stands in the order once"
-            );
-            for i in 0..200u32 {
-                let angle = f64::from(i);
-                let dir = DVec3::new(crate::math::sin(angle), crate::math::cos(angle * 1.3), 0.3);
-                let ray = Ray::new(DVec3::new(0.1, -0.2, 0.05) - dir * 3.0, dir);
-                let mut seen = vec![false; n];
-                bvh.traverse(&RayBox::new(&ray), &mut f64::INFINITY.clone(), |p, _| {
-                    seen[p as usize] = true;
-                    Control::Continue
-                });
-                for (b, seen) in boxes.iter().zip(seen) {
-                    assert!(seen || !enters(b, &ray));
+            for kinds in [(0, 0), (n, 0), (n / 3, n / 3)] {
+                let kinds = Kinds {
+                    triangles: kinds.0,
+                    spheres: kinds.1,
+                };
+                let (bvh, blocks) = build(&boxes, kinds);
+                for i in 0..100u32 {
+                    let angle = f64::from(i);
+                    let dir = DVec3::new(crate::math::sin(angle), crate::math::cos(angle * 1.3), 0.3);
+                    let ray = Ray::new(DVec3::new(0.1, -0.2, 0.05) - dir * 3.0, dir);
+                    let seen = visited(&bvh, &blocks, &ray);
+                    for (b, index) in boxes.iter().zip(0..) {
+                        assert!(seen.binary_search(&index).is_ok() || !enters(b, &ray));
+                    }
                 }
             }
         }
@@ -203,29 +364,24 @@ mod tests {
 
     #[test]
     fn equal_centers_neither_recurse_nor_loop() {
-        let b = Box32::around(&Bounds3::new(DVec3::ZERO, DVec3::ONE));
-        let bvh = Bvh::build(&vec![b; 100_000]);
-        let mut count = 0;
+        let boxes = vec![Bounds3::new(DVec3::ZERO, DVec3::ONE); 100_000];
+        let (bvh, blocks) = build(
+            &boxes,
+            Kinds {
+                triangles: 30_000,
+                spheres: 30_000,
+            },
+        );
         let ray = Ray::new(DVec3::splat(0.5), DVec3::X);
-        bvh.traverse(&RayBox::new(&ray), &mut f64::INFINITY.clone(), |_, _| {
-            count += 1;
-            Control::Continue
-        });
-        assert_eq!(count, 100_000);
+        assert!(visited(&bvh, &blocks, &ray).into_iter().eq(0..100_000));
     }
 
     #[test]
     fn a_ray_in_the_plane_of_a_face_enters() {
-        let b = Box32::around(&Bounds3::new(DVec3::ZERO, DVec3::ONE));
-        let bvh = Bvh::build(&[b]);
+        let (bvh, blocks) = build(&[Bounds3::new(DVec3::ZERO, DVec3::ONE)], Kinds::default());
         for dir in [DVec3::X, -DVec3::X, DVec3::new(1.0, 0.0, -0.0)] {
             let ray = Ray::new(DVec3::new(0.5, 1.0, 1.0), dir);
-            let mut hit = false;
-            bvh.traverse(&RayBox::new(&ray), &mut f64::INFINITY.clone(), |_, _| {
-                hit = true;
-                Control::Stop
-            });
-            assert!(hit, "{dir}");
+            assert_eq!(visited(&bvh, &blocks, &ray), [0], "{dir}");
         }
     }
 }

@@ -2,14 +2,16 @@
 
 use std::collections::HashMap;
 
+use rayon::prelude::*;
+
 use super::{
     World,
     level::{Instance, Level, PlacedShape, PlacedSphere, Primitive, TriangleRun, TriangleSource},
 };
 use crate::{
-    accel::{Box32, Bvh},
+    accel::{Box32, Bvh, Kinds, LeafKind, Spheres, Triangles},
     diag::{Diagnostic, Error, ErrorKind},
-    math::{Bounds3, DAffine3, DMat3, DVec3, is_singular},
+    math::{Bounds3, DAffine3, DMat3, DVec3, is_singular, max_abs},
     scene::{Geometry, GroupId, Mesh, MeshId, ROOT_GROUP, Scene},
     shape::{Shape, Sphere},
 };
@@ -151,23 +153,48 @@ impl Compiler<'_> {
         }
         level.numbers = numbers;
 
-        let mut around = Some(Bounds3::EMPTY);
-        let boxes: Vec<Box32> = (0..level.primitives() as u32)
-            .map(|index| {
-                let bounds = self.bounds(&level, index);
-                around = around.and_then(|a| bounds.map(|b| a.union(&b)));
-                match bounds {
-                    Some(bounds) => Box32::around(&bounds),
-                    None => {
-                        level.unbounded.push(index);
-                        Box32::EMPTY
-                    }
-                }
-            })
+        let bounds: Vec<Option<Bounds3>> = (0..level.primitives() as u32)
+            .into_par_iter()
+            .map(|index| self.bounds(&level, index))
             .collect();
-        level.bounds = around;
+        level.bounds = bounds.iter().try_fold(Bounds3::EMPTY, |around, bounds| {
+            bounds.as_ref().map(|b| around.union(b))
+        });
+        let unbounded = bounds.iter().zip(0..).filter(|(bounds, _)| bounds.is_none());
+        level.unbounded = unbounded.map(|(_, index)| index).collect();
+        let kinds = Kinds {
+            triangles: level.triangles.len(),
+            spheres: level.spheres.len(),
+        };
+        level.extent = bounds[..kinds.triangles + kinds.spheres]
+            .iter()
+            .flatten()
+            .map(|b| max_abs(b.min).max(max_abs(b.max)))
+            .fold(0.0, f64::max);
         // What has no bounds has an empty box here, which no ray enters.
-        level.bvh = Bvh::build(&boxes);
+        let boxes: Vec<Box32> = bounds
+            .into_iter()
+            .map(|b| b.map_or(Box32::EMPTY, |b| Box32::around(&b)))
+            .collect();
+        let (mut triangle_blocks, mut sphere_blocks) = (Vec::new(), Vec::new());
+        level.bvh = Bvh::build(&boxes, kinds, |kind, indices| {
+            if kind == LeafKind::Triangles {
+                let mut block = Triangles::EMPTY;
+                for (lane, &index) in indices.iter().enumerate() {
+                    block.set(lane, index, level.corners(index));
+                }
+                triangle_blocks.push(block);
+            } else {
+                let mut block = Spheres::EMPTY;
+                for (lane, &index) in indices.iter().enumerate() {
+                    let index = index - kinds.triangles as u32;
+                    let sphere = &level.spheres[index as usize];
+                    block.set(lane, index, sphere.center, sphere.radius);
+                }
+                sphere_blocks.push(block);
+            }
+        });
+        (level.triangle_blocks, level.sphere_blocks) = (triangle_blocks, sphere_blocks);
         self.levels.push(level);
         self.depths.push(depth);
         Ok(self.levels.len() as u32 - 1)

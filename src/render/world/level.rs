@@ -1,7 +1,7 @@
 //! One level: the primitives of a group in the group's space.
 
 use crate::{
-    accel::Bvh,
+    accel::{Bvh, Spheres, Triangles},
     math::{Bounds3, DAffine3, DVec3},
     scene::{GroupId, MeshId, TriangleId},
     shape::Shape,
@@ -21,6 +21,10 @@ pub(crate) struct Level {
     pub(super) shapes: Vec<PlacedShape>,
     pub(super) instances: Vec<Instance>,
     pub(super) bvh: Bvh,
+    pub(super) triangle_blocks: Vec<Triangles>,
+    pub(super) sphere_blocks: Vec<Spheres>,
+    /// Largest coordinate of triangles and spheres.
+    pub(super) extent: f64,
     /// Primitives without bounds, which every ray must try.
     pub(super) unbounded: Vec<u32>,
     /// A box around everything; `None` where something has no end.
@@ -143,6 +147,8 @@ impl Level {
             + size_of_val(&*self.spheres)
             + size_of_val(&*self.shapes)
             + size_of_val(&*self.instances)
+            + size_of_val(&*self.triangle_blocks)
+            + size_of_val(&*self.sphere_blocks)
             + self.bvh.bytes()
     }
 }

@@ -5,7 +5,7 @@ use super::{
     level::{Level, Primitive},
 };
 use crate::{
-    accel::{Control, RayBox},
+    accel::{BLOCK, Control, LeafKind, NONE, RayBlock, RayBox, round_down, round_up},
     math::{Ray, max_abs},
     shape::{Crossings, Sphere, triangle::TriangleRay},
 };
@@ -108,101 +108,214 @@ impl World<'_> {
         probe: &Probe,
         best: &mut Hit,
     ) -> Control {
-        let triangle_ray = TriangleRay::new(ray);
-        let mut control = Control::Continue;
-        let mut t_max = best.t;
-        let mut visit = |index: u32, t_max: &mut f64| {
-            let found = match level.primitive(index) {
-                Primitive::Triangle(i) => {
-                    let number = base + u64::from(index);
-                    if number == probe.start {
-                        return Control::Continue;
-                    }
-                    let [a, b, c] = level.corners(i);
-                    triangle_ray
-                        .intersect(a, b, c)
-                        .filter(|hit| hit.t > probe.t_min && hit.t <= best.t)
-                        .map(|hit| Hit {
-                            t: hit.t,
-                            number,
-                            u: hit.u,
-                            v: hit.v,
-                            part: 0,
-                        })
-                }
-                Primitive::Sphere(i) => {
-                    let sphere = &level.spheres[i as usize];
-                    let number = base + u64::from(index);
-                    Sphere::roots(sphere.center, sphere.radius, ray).and_then(|(t0, t1)| {
-                        let t = if number == probe.start {
-                            let mut crossings = Crossings::default();
-                            crossings.push(t0, 0);
-                            crossings.push(t1, 0);
-                            crossings.drop_start(probe.t_self);
-                            crossings.first_within(probe.t_min, f64::INFINITY)?.t
-                        } else if t0 > probe.t_min {
-                            t0
-                        } else {
-                            t1
-                        };
-                        (t > probe.t_min && t <= best.t).then_some(Hit {
-                            t,
-                            number,
-                            u: 0.0,
-                            v: 0.0,
-                            part: 0,
-                        })
-                    })
-                }
-                Primitive::Shape(i) => {
-                    let placed = &level.shapes[i as usize];
-                    let number = base + u64::from(index);
-                    let mut crossings = Crossings::default();
-                    placed
-                        .shape
-                        .crossings(&ray.transformed(&placed.object_from_level), &mut crossings);
-                    if number == probe.start {
-                        crossings.drop_start(probe.t_self);
-                    }
-                    crossings
-                        .first_within(probe.t_min, f64::INFINITY)
-                        .filter(|crossing| crossing.t <= best.t)
-                        .map(|crossing| Hit {
-                            t: crossing.t,
-                            number,
-                            u: 0.0,
-                            v: 0.0,
-                            part: crossing.part,
-                        })
-                }
-                Primitive::Instance(i) => {
-                    let instance = &level.instances[i as usize];
-                    let inner = &self.levels[instance.level as usize];
-                    let inner_ray = ray.transformed(&instance.inner_from_outer);
-                    let found =
-                        self.search::<ANY>(inner, base + instance.first_number, &inner_ray, probe, best);
-                    *t_max = best.t;
-                    control = found;
-                    return found;
-                }
-            };
-            let Some(hit) = found.filter(|hit| hit.t < best.t || hit.number < best.number) else {
-                return Control::Continue;
-            };
-            if ANY {
-                control = Control::Stop;
-                return Control::Stop;
-            }
-            *best = hit;
-            *t_max = hit.t;
-            Control::Continue
+        let mut search = LevelSearch {
+            world: self,
+            level,
+            base,
+            ray,
+            probe,
+            best,
+            triangle_ray: None,
         };
         for &index in &level.unbounded {
-            if visit(index, &mut t_max) == Control::Stop {
+            if search.other::<ANY>(index) == Control::Stop {
                 return Control::Stop;
             }
         }
-        level.bvh.traverse(&RayBox::new(ray), &mut t_max, visit);
+        let ray_block = RayBlock::new(ray, level.extent);
+        let t_least = round_up(probe.t_min);
+        let t_most = round_down(search.best.t);
+        let mut control = Control::Continue;
+        let t_max = search.best.t;
+        level
+            .bvh
+            .traverse::<ANY>(&RayBox::new(ray), t_max, |leaf, bound| {
+                match leaf.kind() {
+                    LeafKind::Triangles => {
+                        for block in &level.triangle_blocks[leaf.range()] {
+                            let found = block.candidates(&ray_block, t_least, t_most, *bound);
+                            if found.possible == 0 {
+                                continue;
+                            }
+                            if ANY && found.certain != 0 && search.is_not_start(&block.ids, found.certain) {
+                                control = Control::Stop;
+                                return control;
+                            }
+                            for lane in lanes(found.possible) {
+                                if search.triangle(block.ids[lane]) && ANY {
+                                    control = Control::Stop;
+                                    return control;
+                                }
+                            }
+                        }
+                    }
+                    LeafKind::Spheres => {
+                        for block in &level.sphere_blocks[leaf.range()] {
+                            for lane in lanes(block.possible(&ray_block, *bound)) {
+                                if search.sphere(block.ids[lane]) && ANY {
+                                    control = Control::Stop;
+                                    return control;
+                                }
+                            }
+                        }
+                    }
+                    LeafKind::Others => {
+                        for &index in level.bvh.others(leaf) {
+                            control = search.other::<ANY>(index);
+                            if control == Control::Stop {
+                                return control;
+                            }
+                        }
+                    }
+                }
+                *bound = round_up(search.best.t);
+                Control::Continue
+            });
         control
+    }
+}
+
+/// The lanes whose bits are set.
+#[inline(always)]
+fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        (mask != 0).then(|| {
+            let lane = mask.trailing_zeros() as usize & (BLOCK - 1);
+            mask &= mask - 1;
+            lane
+        })
+    })
+}
+
+/// A search of one level: the exact tests.
+struct LevelSearch<'a, 's> {
+    world: &'a World<'s>,
+    level: &'a Level,
+    base: u64,
+    ray: &'a Ray,
+    probe: &'a Probe,
+    best: &'a mut Hit,
+    /// Made when the first triangle needs it.
+    triangle_ray: Option<TriangleRay>,
+}
+
+impl LevelSearch<'_, '_> {
+    /// Takes a hit if it is the best so far.
+    #[inline]
+    fn offer(&mut self, hit: Hit) -> bool {
+        let better = hit.t < self.best.t || (hit.t == self.best.t && hit.number < self.best.number);
+        if better {
+            *self.best = hit;
+        }
+        better
+    }
+
+    /// Whether any of the lanes is something else than the primitive the ray starts on.
+    #[inline]
+    fn is_not_start(&self, ids: &[u32; BLOCK], mask: u32) -> bool {
+        lanes(mask).any(|lane| self.base + u64::from(ids[lane]) != self.probe.start)
+    }
+
+    #[inline]
+    fn triangle(&mut self, index: u32) -> bool {
+        let number = self.base + u64::from(index);
+        if number == self.probe.start || index == NONE {
+            return false;
+        }
+        let ray = self.ray;
+        let triangle_ray = self.triangle_ray.get_or_insert_with(|| TriangleRay::new(ray));
+        let [a, b, c] = self.level.corners(index);
+        match triangle_ray.intersect(a, b, c) {
+            Some(hit) if hit.t > self.probe.t_min => self.offer(Hit {
+                t: hit.t,
+                number,
+                u: hit.u,
+                v: hit.v,
+                part: 0,
+            }),
+            _ => false,
+        }
+    }
+
+    #[inline]
+    fn sphere(&mut self, index: u32) -> bool {
+        let Some(sphere) = self.level.spheres.get(index as usize) else {
+            return false;
+        };
+        let number = self.base + self.level.triangles.len() as u64 + u64::from(index);
+        let Some((t0, t1)) = Sphere::roots(sphere.center, sphere.radius, self.ray) else {
+            return false;
+        };
+        let t_min = self.probe.t_min;
+        let t = if number == self.probe.start {
+            let mut crossings = Crossings::default();
+            crossings.push(t0, 0);
+            crossings.push(t1, 0);
+            crossings.drop_start(self.probe.t_self);
+            match crossings.first_within(t_min, f64::INFINITY) {
+                Some(crossing) => crossing.t,
+                None => return false,
+            }
+        } else if t0 > t_min {
+            t0
+        } else {
+            t1
+        };
+        t > t_min
+            && self.offer(Hit {
+                t,
+                number,
+                u: 0.0,
+                v: 0.0,
+                part: 0,
+            })
+    }
+
+    /// A primitive that is in no block.
+    fn other<const ANY: bool>(&mut self, index: u32) -> Control {
+        let met = match self.level.primitive(index) {
+            Primitive::Shape(i) => self.shape(index, i),
+            Primitive::Instance(i) => {
+                let instance = &self.level.instances[i as usize];
+                let inner = &self.world.levels[instance.level as usize];
+                let ray = self.ray.transformed(&instance.inner_from_outer);
+                return self.world.search::<ANY>(
+                    inner,
+                    self.base + instance.first_number,
+                    &ray,
+                    self.probe,
+                    self.best,
+                );
+            }
+            Primitive::Triangle(i) => self.triangle(i),
+            Primitive::Sphere(i) => self.sphere(i),
+        };
+        if met && ANY {
+            Control::Stop
+        } else {
+            Control::Continue
+        }
+    }
+
+    fn shape(&mut self, index: u32, i: u32) -> bool {
+        let placed = &self.level.shapes[i as usize];
+        let number = self.base + u64::from(index);
+        let mut crossings = Crossings::default();
+        placed
+            .shape
+            .crossings(&self.ray.transformed(&placed.object_from_level), &mut crossings);
+        if number == self.probe.start {
+            crossings.drop_start(self.probe.t_self);
+        }
+        match crossings.first_within(self.probe.t_min, f64::INFINITY) {
+            Some(crossing) => self.offer(Hit {
+                t: crossing.t,
+                number,
+                u: 0.0,
+                v: 0.0,
+                part: crossing.part,
+            }),
+            None => false,
+        }
     }
 }
