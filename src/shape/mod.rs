@@ -7,12 +7,28 @@
 //! nearest hit follows, the parts of the line inside a solid, and an exact answer to the question that haunts
 //! ray tracers: a ray that starts on the surface knows which crossing is its own start.
 
+mod cone;
+mod cuboid;
+mod cylinder;
+mod disk;
+mod plane;
+mod span;
 mod sphere;
 pub mod triangle;
 
+pub use cone::Cone;
+pub use cuboid::Cuboid;
+pub use cylinder::Cylinder;
+pub use disk::Disk;
+pub use plane::Plane;
 pub use sphere::Sphere;
 
-use crate::math::{Bounds3, DVec2, DVec3, Ray};
+use std::sync::Arc;
+
+use crate::{
+    math::{self, Bounds3, DVec2, DVec3, PI, Ray},
+    scene::SceneError,
+};
 
 /// A point where a line crosses a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -137,9 +153,45 @@ macro_rules! shapes {
 shapes! {
     /// See [`Sphere`].
     Sphere(Sphere) = "sphere";
+    /// See [`Cuboid`].
+    Cuboid(Cuboid) = "box";
+    /// See [`Cylinder`].
+    Cylinder(Cylinder) = "cylinder";
+    /// See [`Cone`].
+    Cone(Cone) = "cone";
+    /// See [`Disk`].
+    Disk(Disk) = "disk";
+    /// See [`Plane`].
+    Plane(Plane) = "plane";
 }
 
 /// Whether a shape encloses a volume.
 trait Solidity {
     const SOLID: bool;
+}
+
+impl<T: Solidity> Solidity for Arc<T> {
+    const SOLID: bool = T::SOLID;
+}
+
+/// A length a shape may have: greater than 0 and at most 1e15, which NaN is not. `what` names it in the message.
+fn positive(what: &str, x: f64) -> Result<(), SceneError> {
+    if x > 0.0 && x <= 1e15 {
+        return Ok(());
+    }
+    Err(SceneError::new(format!(
+        "{what} must be greater than 0 and at most 1e15, not {x}"
+    )))
+}
+
+/// The u that all round shapes share: once around Y from -Z over -X to +Z at 0.5 and on over +X, so that a picture
+/// is unmirrored from outside.
+fn u_around_y(x: f64, z: f64) -> f64 {
+    math::atan2(x, z) / (2.0 * PI) + 0.5
+}
+
+/// uv of the disk of `radius` cut out of a picture, for coordinates to the right and up from its center.
+fn cap_uv(right: f64, up: f64, radius: f64) -> DVec2 {
+    let uv = DVec2::new(right, up) / (2.0 * radius) + 0.5;
+    uv.clamp(DVec2::ZERO, DVec2::ONE)
 }

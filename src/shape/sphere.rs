@@ -1,6 +1,6 @@
 //! The sphere.
 
-use super::{Crossings, Solidity, Surface};
+use super::{Crossings, Solidity, Surface, positive, u_around_y};
 use crate::{
     math::{self, Bounds3, DVec2, DVec3, PI, Ray, max_abs},
     scene::SceneError,
@@ -23,11 +23,7 @@ impl Sphere {
     /// # Errors
     /// Where the radius is not greater than 0, or a number is not finite or beyond 1e15.
     pub fn new(center: DVec3, radius: f64) -> Result<Self, SceneError> {
-        if !(radius > 0.0 && radius <= 1e15) {
-            return Err(SceneError::new(format!(
-                "the sphere's radius must be greater than 0, not {radius}"
-            )));
-        }
+        positive("the sphere's radius", radius)?;
         if !(center.is_finite() && max_abs(center) <= 1e15) {
             return Err(SceneError::new(
                 "the sphere's center must be finite numbers within 1e15",
@@ -85,11 +81,10 @@ impl Sphere {
     pub(super) fn surface(&self, p: DVec3, _part: u8) -> Surface {
         let normal = p - self.center;
         let n = normal / self.radius;
-        let u = math::atan2(n.x, n.z) / (2.0 * PI) + 0.5;
         let v = math::asin(n.y.clamp(-1.0, 1.0)) / PI + 0.5;
         Surface {
             normal,
-            uv: DVec2::new(u, v),
+            uv: DVec2::new(u_around_y(n.x, n.z), v),
         }
     }
 }

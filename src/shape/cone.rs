@@ -1,0 +1,210 @@
+//! The closed cone.
+//!
+//! Pose: centered at the origin, axis Y, apex up at (0, height/2, 0), base at y = -height/2. Parameters: radius of
+//! the base and full height in object units. Solid. Parts: 0 the side, 1 the base. Normals outwards; at the very
+//! apex, +Y. uv: on the side u once around Y from -Z over -X to +Z at 0.5 and on over +X, v from the base (0) to the
+//! apex (1); the base shows the disk cut out of the picture, unmirrored from below, +X to the right.
+
+use super::{Crossings, Solidity, Surface, cap_uv, positive, span::Span, u_around_y};
+use crate::{
+    math::{Bounds3, DVec2, DVec3, Ray},
+    scene::SceneError,
+};
+
+/// A closed cone around Y, centered at the origin, apex up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cone {
+    radius: f64,
+    height: f64,
+}
+
+impl Solidity for Cone {
+    const SOLID: bool = true;
+}
+
+const SIDE: u8 = 0;
+const BASE: u8 = 1;
+
+impl Cone {
+    /// A cone with a base of `radius` and full `height` in object units.
+    ///
+    /// # Errors
+    /// Where one of them is not greater than 0 or beyond 1e15.
+    pub fn new(radius: f64, height: f64) -> Result<Self, SceneError> {
+        positive("the cone's radius", radius)?;
+        positive("the cone's height", height)?;
+        Ok(Self { radius, height })
+    }
+
+    /// The radius of the base.
+    #[must_use]
+    pub const fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// The full height.
+    #[must_use]
+    pub const fn height(&self) -> f64 {
+        self.height
+    }
+
+    pub(super) fn bounds(&self) -> Option<Bounds3> {
+        let corner = DVec3::new(self.radius, self.height * 0.5, self.radius);
+        Some(Bounds3::new(-corner, corner))
+    }
+
+    #[inline]
+    pub(super) fn crossings(&self, ray: &Ray, out: &mut Crossings) {
+        // The slab's upper end is the apex, a point of the side.
+        let span = Span::slab(ray.origin.y, ray.dir.y, self.height * 0.5, BASE, SIDE)
+            .and_then(|slab| slab.clip(self.inside_side(ray)?));
+        if let Some(span) = span {
+            span.push(out);
+        }
+    }
+
+    /// Where the line is inside the endless cone below the apex, or inside the mirror cone above it: within the
+    /// slab of the solid only the former can be.
+    ///
+    /// In coordinates that make it the unit cone, `w` downwards from the apex, the inside is <p, p> <= 0 for the
+    /// product <p, q> = px qx + pz qz - pw qw. The discriminant <o, d>^2 - <o, o> <d, d> is a sum of squared 2 x 2
+    /// minors with the signs of that product (Lagrange's identity), which unlike the difference does not cancel
+    /// as the origin moves along the line.
+    #[inline]
+    fn inside_side(&self, ray: &Ray) -> Option<Span> {
+        let (r, h) = (self.radius, self.height);
+        let d = DVec3::new(ray.dir.x / r, -ray.dir.y / h, ray.dir.z / r);
+        let far = DVec3::new(ray.origin.x / r, 0.5 - ray.origin.y / h, ray.origin.z / r);
+        // From the line's point nearest to the apex, so that no origin is too far for the roots.
+        let shift = -far.dot(d) / d.dot(d);
+        let o = far + d * shift;
+
+        let a = d.x * d.x + d.z * d.z - d.y * d.y;
+        let b = o.y * d.y - o.x * d.x - o.z * d.z;
+        let c = o.x * o.x + o.z * o.z - o.y * o.y;
+        let xw = o.x * d.y - o.y * d.x;
+        let zw = o.z * d.y - o.y * d.z;
+        let xz = o.x * d.z - o.z * d.x;
+        let discriminant = xw * xw + zw * zw - xz * xz;
+        if a >= 0.0 && !(discriminant >= 0.0) {
+            return None;
+        }
+        let q = b + discriminant.max(0.0).sqrt().copysign(b);
+        // q is 0 where both roots are at the shifted origin: the line passes through the apex or touches.
+        let (t0, t1) = if q == 0.0 { (0.0, 0.0) } else { (c / q, q / a) };
+        let (t0, t1) = if t0 <= t1 { (t0, t1) } else { (t1, t0) };
+        if a > 0.0 {
+            return Span::new(t0 + shift, t1 + shift, SIDE);
+        }
+        if a == 0.0 {
+            // Parallel to a line of the side: a single root, the inside behind or before it.
+            return match b.partial_cmp(&0.0)? {
+                std::cmp::Ordering::Greater => Span::new(c / (2.0 * b) + shift, f64::INFINITY, SIDE),
+                std::cmp::Ordering::Less => Span::new(f64::NEG_INFINITY, c / (2.0 * b) + shift, SIDE),
+                std::cmp::Ordering::Equal => Span::line_if(c <= 0.0),
+            };
+        }
+        // Steeper than the side: the line is inside one cone up to t0 and inside the other from t1 on, and the
+        // lower cone is where the line goes down.
+        if d.y > 0.0 {
+            Span::new(t1 + shift, f64::INFINITY, SIDE)
+        } else {
+            Span::new(f64::NEG_INFINITY, t0 + shift, SIDE)
+        }
+    }
+
+    pub(super) fn surface(&self, p: DVec3, part: u8) -> Surface {
+        if part != SIDE {
+            return Surface {
+                normal: DVec3::NEG_Y,
+                uv: cap_uv(p.x, p.z, self.radius),
+            };
+        }
+        let (r, h) = (self.radius, self.height);
+        // From the distance to the axis, not from the height: at the apex rounding may lift p above it.
+        let rho = (p.x * p.x + p.z * p.z).sqrt();
+        let normal = if rho > 0.0 {
+            DVec3::new(p.x / rho * h, r, p.z / rho * h)
+        } else {
+            DVec3::Y
+        };
+        Surface {
+            normal,
+            uv: DVec2::new(u_around_y(p.x, p.z), (p.y / h + 0.5).clamp(0.0, 1.0)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn crossings(origin: [f64; 3], dir: [f64; 3]) -> Vec<(f64, u8)> {
+        let mut out = Crossings::default();
+        Cone::new(1.0, 2.0)
+            .unwrap()
+            .crossings(&Ray::new(origin.into(), dir.into()), &mut out);
+        out.as_slice().iter().map(|c| (c.t, c.part)).collect()
+    }
+
+    #[test]
+    fn side_base_and_both() {
+        assert_eq!(
+            crossings([0.0, 0.0, 3.0], [0.0, 0.0, -1.0]),
+            [(2.5, SIDE), (3.5, SIDE)],
+            "across"
+        );
+        assert_eq!(
+            crossings([0.5, 3.0, 0.0], [0.0, -1.0, 0.0]),
+            [(3.0, SIDE), (4.0, BASE)],
+            "downwards"
+        );
+        assert_eq!(
+            crossings([0.5, -3.0, 0.0], [0.0, 1.0, 0.0]),
+            [(2.0, BASE), (3.0, SIDE)],
+            "upwards"
+        );
+    }
+
+    #[test]
+    fn there_is_no_mirror_cone() {
+        assert!(
+            crossings([0.0, 1.5, 3.0], [0.0, 0.0, -1.0]).is_empty(),
+            "above the apex"
+        );
+        assert!(crossings([0.5, 3.0, 0.0], [1.0, -0.1, 0.0]).is_empty());
+        assert_eq!(crossings([0.25, 9.0, 0.0], [0.0, -1.0, 0.0]).len(), 2);
+        assert!(crossings([0.0, -1.5, 3.0], [0.0, 0.0, -1.0]).is_empty(), "below");
+    }
+
+    #[test]
+    fn lines_through_the_apex_cross_twice_or_never() {
+        assert_eq!(
+            crossings([0.0, 3.0, 0.0], [0.0, -1.0, 0.0]),
+            [(2.0, SIDE), (4.0, BASE)],
+            "down the axis"
+        );
+        let along = crossings([0.0, 1.0, 0.0], [1.0, -2.0, 0.0]);
+        assert_eq!(along.len(), 2, "down the side");
+        assert!(
+            (along[0].0).abs() < 1e-15 && (along[1].0 - 1.0).abs() < 1e-15,
+            "{along:?}"
+        );
+        let touching = crossings([-1.0, 1.0, 0.0], [1.0, 0.0, 0.0]);
+        assert!(touching.len().is_multiple_of(2), "{touching:?}");
+        for i in 0..1000 {
+            let x = f64::from(i) / 1000.0 - 0.5;
+            let found = crossings([x * 7.0, 8.0, 0.3], [-x * 7.0, -7.0, -0.3]);
+            assert_eq!(found.len() % 2, 0, "{i}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn parallel_to_a_line_of_the_side() {
+        // x = w/2 - 1/4 beside the line x = w/2 of the side, on the inside: one crossing with each part.
+        let found = crossings([0.25, 1.0, 0.0], [0.5, -1.0, 0.0]);
+        assert!(found.is_empty() || found.len() == 2);
+        let found = crossings([-0.25, 1.0, 0.0], [0.5, -1.0, 0.0]);
+        assert_eq!(found, [(0.25, SIDE), (2.0, BASE)]);
+    }
+}
