@@ -12,16 +12,22 @@ mod cuboid;
 mod cylinder;
 mod disk;
 mod plane;
+mod polygon;
 mod span;
 mod sphere;
+mod torus;
 pub mod triangle;
+mod triangulate;
 
 pub use cone::Cone;
 pub use cuboid::Cuboid;
 pub use cylinder::Cylinder;
 pub use disk::Disk;
 pub use plane::Plane;
+pub use polygon::Polygon;
 pub use sphere::Sphere;
+pub use torus::Torus;
+pub use triangulate::triangulate;
 
 use std::sync::Arc;
 
@@ -161,8 +167,12 @@ shapes! {
     Cone(Cone) = "cone";
     /// See [`Disk`].
     Disk(Disk) = "disk";
+    /// See [`Torus`].
+    Torus(Torus) = "torus";
     /// See [`Plane`].
     Plane(Plane) = "plane";
+    /// See [`Polygon`].
+    Polygon(Arc<Polygon>) = "polygon";
 }
 
 /// Whether a shape encloses a volume.

@@ -1,0 +1,260 @@
+//! The torus.
+//!
+//! Pose: centered at the origin, around Y. Parameters: the major radius, of the circle in y = 0 that the tube
+//! follows, and the minor radius, of the tube, in object units; the minor one must not exceed the major one, since
+//! the surface would then cut through itself. Solid. Normals outwards from the tube. uv: u once around Y from -Z over
+//! -X to +Z at 0.5 and on over +X, v once around the tube, from the innermost circle (0) below to the outermost (0.5)
+//! and over the top back (1).
+
+use super::{Crossings, Solidity, Surface, positive, u_around_y};
+use crate::{
+    math::{self, Bounds3, DVec2, DVec3, PI, Ray},
+    scene::SceneError,
+};
+
+/// A torus around Y, centered at the origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Torus {
+    major: f64,
+    minor: f64,
+}
+
+impl Solidity for Torus {
+    const SOLID: bool = true;
+}
+
+/// How much wider than the torus the searched interval is, so that it ends outside in spite of rounding.
+const MARGIN: f64 = 1e-6;
+
+impl Torus {
+    /// A torus with a tube of radius `minor` along a circle of radius `major`, in object units.
+    ///
+    /// # Errors
+    /// Where a radius is not greater than 0 or beyond 1e15, or `minor` is greater than `major`.
+    pub fn new(major: f64, minor: f64) -> Result<Self, SceneError> {
+        positive("the torus's major radius", major)?;
+        positive("the torus's minor radius", minor)?;
+        if minor > major {
+            return Err(SceneError::new(format!(
+                "the torus's minor radius must be at most its major radius of {major}, not {minor}"
+            ))
+            .hint("torus(major, minor): first the radius of the ring, then that of its tube"));
+        }
+        Ok(Self { major, minor })
+    }
+
+    /// The radius of the ring.
+    #[must_use]
+    pub const fn major(&self) -> f64 {
+        self.major
+    }
+
+    /// The radius of the tube.
+    #[must_use]
+    pub const fn minor(&self) -> f64 {
+        self.minor
+    }
+
+    pub(super) fn bounds(&self) -> Option<Bounds3> {
+        let outer = self.major + self.minor;
+        let corner = DVec3::new(outer, self.minor, outer);
+        Some(Bounds3::new(-corner, corner))
+    }
+
+    /// Up to four roots of a quartic F, isolated instead of solved: between neighbouring zeros of F' (a cubic,
+    /// isolated by the zeros of F'' in turn) F is monotone, so the signs of F there tell where its roots are and
+    /// that their number is even. Everything is measured in outer radii and from the line's point nearest to the
+    /// center, which takes the cubic terms out and keeps all coefficients near 1.
+    ///
+    /// F = (|p|^2 + R^2 - r^2)^2 - 4 R^2 (x^2 + z^2) has the sign of (rho - R)^2 + y^2 - r^2 with rho the distance
+    /// to the axis, F's factor (rho + R)^2 + y^2 - r^2 being positive; the signs and the roots are taken from that
+    /// form, which stays exact where the tube is thin.
+    pub(super) fn crossings(&self, ray: &Ray, out: &mut Crossings) {
+        let outer = self.major + self.minor;
+        let (major, minor) = (self.major / outer, self.minor / outer);
+        let length = ray.dir.length();
+        if !(length > 0.0 && length.is_finite()) {
+            return;
+        }
+        let d = ray.dir / length;
+        let far = ray.origin / outer;
+        // Twice: the second step takes away what the first left by rounding.
+        let step = -far.dot(d);
+        let near = far + d * step;
+        let rest = -near.dot(d);
+        let o = near + d * rest;
+        let shift = step + rest;
+
+        let distance2 = o.dot(o);
+        let reach2 = (1.0 + MARGIN) - distance2;
+        if !(reach2 > 0.0) {
+            return;
+        }
+        let reach = reach2.sqrt();
+        let Some((lo, hi)) = within_height(o.y, d.y, minor * (1.0 + MARGIN), reach) else {
+            return;
+        };
+
+        let around = 2.0 * major * major;
+        let p = distance2 + major * major - minor * minor - around * (d.x * d.x + d.z * d.z);
+        let q = around * o.y * d.y;
+        let turns = cubic_roots(p, q, lo, hi);
+
+        let value = |x: f64| {
+            let at = o + d * x;
+            let rho = (at.x * at.x + at.z * at.z).sqrt();
+            let from_ring = rho - major;
+            let slope = 2.0 * (from_ring * (at.x * d.x + at.z * d.z) / rho + at.y * d.y);
+            (from_ring * from_ring + at.y * at.y - minor * minor, slope)
+        };
+        let (mut before, mut was_inside) = (lo, false);
+        for x in turns.into_iter().flatten().chain([hi]) {
+            // A turn on the surface counts as inside: the line touches there, and crosses twice.
+            let is_inside = x < hi && value(x).0 <= 0.0;
+            if is_inside != was_inside {
+                let root = root_between(value, before, x, !was_inside);
+                out.push((shift + root) * (outer / length), 0);
+            }
+            (before, was_inside) = (x, is_inside);
+        }
+    }
+
+    pub(super) fn surface(&self, p: DVec3, _part: u8) -> Surface {
+        let rho = (p.x * p.x + p.z * p.z).sqrt();
+        let from_ring = rho - self.major;
+        let radial = if rho > 0.0 {
+            DVec3::new(p.x / rho, 0.0, p.z / rho)
+        } else {
+            DVec3::ZERO
+        };
+        let normal = radial * from_ring + DVec3::Y * p.y;
+        Surface {
+            // Zero only where the tube closes the hole and touches itself in the center.
+            normal: if normal == DVec3::ZERO { DVec3::Y } else { normal },
+            uv: DVec2::new(
+                u_around_y(p.x, p.z),
+                math::atan2(p.y, from_ring) / (2.0 * PI) + 0.5,
+            ),
+        }
+    }
+}
+
+/// The part of `[-reach, reach]` where `|y + x dy| <= height`; `None` where there is none.
+fn within_height(y: f64, dy: f64, height: f64, reach: f64) -> Option<(f64, f64)> {
+    if dy == 0.0 {
+        return (y.abs() <= height).then_some((-reach, reach));
+    }
+    let (a, b) = ((-height - y) / dy, (height - y) / dy);
+    let (lo, hi) = (a.min(b).max(-reach), a.max(b).min(reach));
+    (lo < hi).then_some((lo, hi))
+}
+
+/// The zeros of x^3 + p x + q in (`lo`, `hi`) where it changes its sign, in order.
+fn cubic_roots(p: f64, q: f64, lo: f64, hi: f64) -> [Option<f64>; 3] {
+    let value = |x: f64| (x * (x * x + p) + q, 3.0 * x * x + p);
+    let bend = (-p / 3.0).max(0.0).sqrt();
+    let mut roots = [None; 3];
+    let mut before = lo;
+    for (root, x) in roots
+        .iter_mut()
+        .zip([(-bend).clamp(lo, hi), bend.clamp(lo, hi), hi])
+    {
+        let (y0, y1) = (value(before).0, value(x).0);
+        if (y0 < 0.0) != (y1 < 0.0) {
+            *root = Some(root_between(value, before, x, y0 >= 0.0));
+        }
+        before = x;
+    }
+    roots
+}
+
+/// The zero of `f` between `lo` and `hi`, from which `f` rises, or falls where `falling`: Newton's method, with a
+/// bisection wherever it leaves the bracket or does not halve its step (Press et al., Numerical Recipes, 9.4).
+/// `f` gives value and slope. Ends where a step is below 1e-17, the coordinates being within 1.
+fn root_between(f: impl Fn(f64) -> (f64, f64), mut lo: f64, mut hi: f64, falling: bool) -> f64 {
+    let mut x = 0.5 * (lo + hi);
+    let mut last_step = hi - lo;
+    // Ten rounds are usual; the bound keeps the loop finite whatever the numbers are.
+    for _ in 0..200 {
+        let (y, slope) = f(x);
+        if y == 0.0 {
+            return x;
+        }
+        if (y < 0.0) == falling {
+            hi = x;
+        } else {
+            lo = x;
+        }
+        let newton = x - y / slope;
+        let good = newton > lo && newton < hi && (newton - x).abs() <= 0.5 * last_step;
+        let next = if good { newton } else { 0.5 * (lo + hi) };
+        last_step = (next - x).abs();
+        if last_step < 1e-17 || !(next > lo && next < hi) {
+            return next;
+        }
+        x = next;
+    }
+    x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn crossings(torus: &Torus, origin: [f64; 3], dir: [f64; 3]) -> Vec<f64> {
+        let mut out = Crossings::default();
+        torus.crossings(&Ray::new(origin.into(), dir.into()), &mut out);
+        out.as_slice().iter().map(|c| c.t).collect()
+    }
+
+    #[test]
+    fn known_crossings() {
+        // Its outer radius is a power of two: nothing rounds, so even a tangent is met for certain. Where it touches
+        // is only known to the root of the rounding.
+        let torus = Torus::new(3.0, 1.0).unwrap();
+        let close = |found: Vec<f64>, expected: &[f64], what: &str| {
+            assert_eq!(found.len(), expected.len(), "{what}: {found:?}");
+            for (a, b) in found.iter().zip(expected) {
+                assert!(
+                    (a - b).abs() < if what.starts_with("touching") { 1e-7 } else { 1e-14 },
+                    "{what}: {found:?}"
+                );
+            }
+        };
+        let x = [1.0, 0.0, 0.0];
+        let through = |o: [f64; 3], d: [f64; 3]| crossings(&torus, o, d);
+        close(through([-5.0, 0.0, 0.0], x), &[1.0, 3.0, 7.0, 9.0], "both sides");
+        close(through([5.0, 0.0, 0.0], x), &[-9.0, -7.0, -3.0, -1.0], "behind");
+        close(
+            through([0.0, 0.0, 0.0], x),
+            &[-4.0, -2.0, 2.0, 4.0],
+            "from the hole",
+        );
+        close(
+            through([3.0, 4.0, 0.0], [0.0, -2.0, 0.0]),
+            &[1.5, 2.5],
+            "from above",
+        );
+        close(
+            through([0.0, 4.0, 0.0], [0.0, -1.0, 0.0]),
+            &[],
+            "through the hole",
+        );
+        close(through([-5.0, 1.1, 0.0], x), &[], "above");
+        close(
+            through([-5.0, 1.0, 0.0], x),
+            &[2.0, 2.0, 8.0, 8.0],
+            "touching on top",
+        );
+        close(
+            through([4.0, 3.0, 0.0], [0.0, -1.0, 0.0]),
+            &[3.0, 3.0],
+            "touching outside",
+        );
+        close(
+            through([2.0, 3.0, 0.0], [0.0, -1.0, 0.0]),
+            &[3.0, 3.0],
+            "touching inside",
+        );
+    }
+}
