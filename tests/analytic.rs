@@ -1,5 +1,7 @@
 //! Pictures whose values are known: the renderer against formulas and against equal scenes built otherwise.
 
+#![allow(clippy::unwrap_used)]
+
 use rtscript::{
     Builder, DVec3, Image, Limits, NoHost, RenderOptions, Scene, Term, render,
     scene::{Attenuation, Camera},

@@ -308,33 +308,27 @@ mod tests {
     /// The primitives whose leaves a ray visits, with both sets of instructions.
     fn visited(bvh: &Bvh, blocks: &[Vec<Vec<u32>>; 2], ray: &Ray) -> Vec<u32> {
         let prepared = RayBox::new(ray);
-        let collect = |run: &dyn Fn(&mut dyn FnMut(Child))| {
-            let mut seen = Vec::new();
-            run(&mut |leaf| match leaf.kind() {
-                LeafKind::Others => seen.extend_from_slice(bvh.others(leaf)),
-                kind => seen.extend(
-                    leaf.range()
-                        .flat_map(|block| blocks[kind as usize][block].clone()),
-                ),
-            });
-            seen.sort_unstable();
-            seen
+        let primitives = |leaf: Child| match leaf.kind() {
+            LeafKind::Others => bvh.others(leaf).to_vec(),
+            kind => leaf
+                .range()
+                .flat_map(|block| blocks[kind as usize][block].clone())
+                .collect(),
         };
-        let fast = collect(&|visit| {
-            bvh.traverse::<false>(&prepared, f64::INFINITY, |leaf, _| {
-                visit(leaf);
+        let (mut fast, mut plain) = (Vec::new(), Vec::new());
+        bvh.traverse::<false>(&prepared, f64::INFINITY, |leaf, _| {
+            fast.extend(primitives(leaf));
+            Control::Continue
+        });
+        // SAFETY: plain arithmetic.
+        unsafe {
+            bvh.traverse_with::<Portable, true>(&prepared, f32::INFINITY, |leaf, _| {
+                plain.extend(primitives(leaf));
                 Control::Continue
             });
-        });
-        let plain = collect(&|visit| {
-            // SAFETY: plain arithmetic.
-            unsafe {
-                bvh.traverse_with::<Portable, true>(&prepared, f32::INFINITY, |leaf, _| {
-                    visit(leaf);
-                    Control::Continue
-                });
-            }
-        });
+        }
+        fast.sort_unstable();
+        plain.sort_unstable();
         assert_eq!(fast, plain, "the instructions do not matter");
         fast
     }
