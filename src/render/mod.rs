@@ -3,7 +3,7 @@
 mod film;
 mod integrator;
 mod lighting;
-mod sampler;
+pub(crate) mod sampler;
 mod tiles;
 mod world;
 

@@ -8,6 +8,8 @@
 mod compile;
 mod level;
 mod surface;
+#[cfg(test)]
+mod tests;
 mod trace;
 
 pub(crate) use surface::SurfacePoint;

@@ -93,6 +93,41 @@ impl World<'_> {
             .is_some_and(|root| self.search::<true>(root, 0, &probe.ray, probe, &mut best) == Control::Stop)
     }
 
+    /// As [`World::nearest`], without the tree.
+    #[cfg(test)]
+    pub(super) fn nearest_brute(&self, probe: &Probe, t_max: f64) -> Option<Hit> {
+        fn all(world: &World<'_>, level: &Level, base: u64, ray: &Ray, probe: &Probe, best: &mut Hit) {
+            for index in 0..level.primitives() as u32 {
+                if let Primitive::Instance(i) = level.primitive(index) {
+                    let instance = &level.instances[i as usize];
+                    let inner = &world.levels[instance.level as usize];
+                    let ray = ray.transformed(&instance.inner_from_outer);
+                    all(world, inner, base + instance.first_number, &ray, probe, best);
+                } else {
+                    let mut search = LevelSearch {
+                        world,
+                        level,
+                        base,
+                        ray,
+                        probe,
+                        best,
+                        triangle_ray: None,
+                    };
+                    search.other::<false>(index);
+                }
+            }
+        }
+        let mut best = Hit {
+            t: t_max,
+            number: u64::MAX,
+            u: 0.0,
+            v: 0.0,
+            part: 0,
+        };
+        all(self, self.root()?, 0, &probe.ray, probe, &mut best);
+        (best.number != u64::MAX).then_some(best)
+    }
+
     /// Whether shadows must look at the material of what they meet.
     pub(crate) fn has_transparency(&self) -> bool {
         self.has_transparency
