@@ -8,10 +8,9 @@ mod tiles;
 mod world;
 
 pub use film::{Image, quantize};
+pub use world::{RayHit, World};
 
 use std::time::Duration;
-
-use world::World;
 
 use crate::{
     diag::{Diagnostic, Error, ErrorKind, Report},

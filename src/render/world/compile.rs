@@ -23,7 +23,10 @@ const MAX_NUMBERS: u64 = 1 << 62;
 
 impl<'s> World<'s> {
     /// Compiles a scene: each group that is seen once, its tree built on the threads of the current pool.
-    pub(crate) fn compile(scene: &'s Scene) -> Result<Self, Error> {
+    ///
+    /// # Errors
+    /// `Limit` where instances are nested too deep or multiply to more than 2^62 primitives.
+    pub fn compile(scene: &'s Scene) -> Result<Self, Error> {
         let mut compiler = Compiler {
             scene,
             levels: Vec::new(),

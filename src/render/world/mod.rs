@@ -15,12 +15,29 @@ mod trace;
 pub(crate) use surface::SurfacePoint;
 pub(crate) use trace::Probe;
 
-use crate::scene::Scene;
+use crate::{
+    math::{DVec3, Ray},
+    scene::Scene,
+};
 use level::Level;
 
-/// A scene with its acceleration structures.
+/// A scene with its acceleration structures: what [`render`](crate::render()) traces, open to questions of
+/// one's own.
+///
+/// ```
+/// use rtscript::{Builder, DVec3, math::Ray, render::World};
+/// let mut b = Builder::new();
+/// b.sphere(DVec3::ZERO, 1.0)?;
+/// let scene = b.finish().value;
+/// let world = World::compile(&scene)?;
+/// let down = Ray::new(DVec3::new(0.0, 5.0, 0.0), DVec3::NEG_Y);
+/// let hit = world.raycast(&down, f64::INFINITY).expect("the ray meets the sphere");
+/// assert_eq!((hit.t, hit.normal), (4.0, DVec3::Y));
+/// assert!(!world.is_occluded(&down, 3.9));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
-pub(crate) struct World<'s> {
+pub struct World<'s> {
     pub(crate) scene: &'s Scene,
     /// Levels; a level comes before the levels that place it, so the last is the root.
     levels: Vec<Level>,
@@ -28,14 +45,52 @@ pub(crate) struct World<'s> {
     has_transparency: bool,
 }
 
+/// What a ray met.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RayHit {
+    /// Ray parameter: the point is `ray.at(t)`.
+    pub t: f64,
+    /// The primitive's number, unique over all instances.
+    pub number: u64,
+    /// Unit normal used for shading, turned to the side the ray came from.
+    pub normal: DVec3,
+}
+
 impl World<'_> {
+    /// The nearest hit of a ray with 0 < t <= `t_max`. The ray's direction may have any length but 0.
+    #[must_use]
+    pub fn raycast(&self, ray: &Ray, t_max: f64) -> Option<RayHit> {
+        let hit = self.nearest(&Probe::from_space(*ray), t_max)?;
+        let normal = self.surface(&hit, ray)?.shading_normal;
+        Some(RayHit {
+            t: hit.t,
+            number: hit.number,
+            normal,
+        })
+    }
+
+    /// Whether a ray meets anything with 0 < t <= `t_max`, transparent things included.
+    #[must_use]
+    pub fn is_occluded(&self, ray: &Ray, t_max: f64) -> bool {
+        self.occluded(&Probe::from_space(*ray), t_max)
+    }
+
+    /// As [`World::raycast`], with t and the primitive's number only.
+    #[must_use]
+    pub fn nearest_t(&self, ray: &Ray, t_max: f64) -> Option<(f64, u64)> {
+        self.nearest(&Probe::from_space(*ray), t_max)
+            .map(|hit| (hit.t, hit.number))
+    }
+
     /// Primitives that can be hit, each level counted once.
-    pub(crate) fn primitives(&self) -> u64 {
+    #[must_use]
+    pub fn primitives(&self) -> u64 {
         self.levels.iter().map(|level| level.primitives() as u64).sum()
     }
 
     /// Bytes of the compiled form, without the scene it refers to.
-    pub(crate) fn bytes(&self) -> u64 {
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
         self.levels.iter().map(|level| level.bytes() as u64).sum()
     }
 
