@@ -15,6 +15,8 @@ mod plane;
 mod polygon;
 mod span;
 mod sphere;
+#[cfg(test)]
+mod suite;
 mod torus;
 pub mod triangle;
 mod triangulate;
@@ -123,6 +125,10 @@ macro_rules! shapes {
         }
 
         impl Shape {
+            /// What scripts call the shapes of the list.
+            #[cfg(test)]
+            const NAMES: &[&str] = &[$($text,)*];
+
             /// What the script calls it.
             #[must_use]
             pub fn name(&self) -> &'static str {

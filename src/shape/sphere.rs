@@ -1,6 +1,6 @@
 //! The sphere.
 
-use super::{Crossings, Solidity, Surface, positive, u_around_y};
+use super::{Crossings, Solidity, Surface, positive, span::Span, u_around_y};
 use crate::{
     math::{self, Bounds3, DVec2, DVec3, PI, Ray, max_abs},
     scene::SceneError,
@@ -72,9 +72,10 @@ impl Sphere {
 
     #[inline]
     pub(super) fn crossings(&self, ray: &Ray, out: &mut Crossings) {
-        if let Some((t0, t1)) = Self::roots(self.center, self.radius, ray) {
-            out.push(t0, 0);
-            out.push(t1, 0);
+        if let Some(span) =
+            Self::roots(self.center, self.radius, ray).and_then(|(t0, t1)| Span::new(t0, t1, 0))
+        {
+            span.push(out);
         }
     }
 

@@ -61,13 +61,13 @@ impl TriangleRay {
             Axis::Z
         };
         let [dx, dy, dz] = kz.last(d);
-        // Under an infinite direction every t would be 0; NaN makes it miss.
-        let t_per_z = if d.is_finite() { 1.0 / dz } else { f64::NAN };
+        // Under an infinite direction every t would be 0; NaN makes it miss, as it does without a direction.
+        let dz = if d.is_finite() { dz } else { f64::NAN };
         Self {
             kz,
             origin: kz.last(ray.origin),
             shear: [dx / dz, dy / dz],
-            t_per_z,
+            t_per_z: 1.0 / dz,
         }
     }
 

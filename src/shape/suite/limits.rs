@@ -1,0 +1,111 @@
+//! Rays and parameters beyond reason.
+
+use super::{
+    super::{Cone, Cuboid, Cylinder, Disk, Polygon, Sphere, Torus},
+    Rng, all_crossings, extent, samples,
+};
+use crate::math::{DVec3, Ray};
+
+#[test]
+fn rays_that_are_none_meet_nothing() {
+    for shape in samples(1.0) {
+        let inside = extent(&shape, 1.0).1;
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            for i in 0..3 {
+                for dir in [DVec3::new(0.3, -0.5, 0.7), DVec3::X, DVec3::Y, DVec3::Z] {
+                    let mut origin = inside + DVec3::new(0.1, 0.2, 0.3);
+                    let mut bad_dir = dir;
+                    bad_dir[i] = bad;
+                    let found = all_crossings(&shape, &Ray::new(origin, bad_dir));
+                    assert!(found.is_empty(), "direction {bad_dir} on {shape:?}: {found:?}");
+                    origin[i] = bad;
+                    let found = all_crossings(&shape, &Ray::new(origin, dir));
+                    assert!(found.is_empty(), "origin {origin} on {shape:?}: {found:?}");
+                }
+            }
+        }
+        for origin in [inside, DVec3::ZERO, DVec3::ONE, DVec3::splat(1e6)] {
+            let found = all_crossings(&shape, &Ray::new(origin, DVec3::ZERO));
+            assert!(
+                found.is_empty(),
+                "{origin} without direction on {shape:?}: {found:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn rays_of_absurd_size_keep_order_and_evenness() {
+    let mut rng = Rng::new(5);
+    for s in [1e-15, 1.0, 1e14] {
+        for shape in samples(s) {
+            for _ in 0..2000 {
+                let ray = Ray::new(
+                    rng.in_cube() * rng.magnitude(-320.0, 308.0),
+                    rng.direction() * rng.magnitude(-320.0, 308.0),
+                );
+                let found = all_crossings(&shape, &ray);
+                assert!(
+                    found.iter().all(|c| c.t.is_finite()),
+                    "{ray:?} on {shape:?}: {found:?}"
+                );
+                assert!(
+                    !shape.is_solid() || found.len().is_multiple_of(2),
+                    "{ray:?} on {shape:?}: {found:?}"
+                );
+                for c in &found {
+                    let surface = shape.surface(ray.at(c.t), c.part);
+                    assert!(surface.uv.is_finite(), "{ray:?} on {shape:?}: {found:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn constructors_refuse_what_is_no_length_and_name_it() {
+    let good = 1.0;
+    for bad in [
+        0.0,
+        -0.0,
+        -1.0,
+        f64::NAN,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        1.1e15,
+    ] {
+        let cases = [
+            ("sphere's radius", Sphere::new(DVec3::ZERO, bad).err()),
+            ("box's width", Cuboid::new(DVec3::new(bad, good, good)).err()),
+            ("box's height", Cuboid::new(DVec3::new(good, bad, good)).err()),
+            ("box's depth", Cuboid::new(DVec3::new(good, good, bad)).err()),
+            ("cylinder's radius", Cylinder::new(bad, good).err()),
+            ("cylinder's height", Cylinder::new(good, bad).err()),
+            ("cone's radius", Cone::new(bad, good).err()),
+            ("cone's height", Cone::new(good, bad).err()),
+            ("disk's radius", Disk::new(bad).err()),
+            ("torus's major radius", Torus::new(bad, good).err()),
+            ("torus's minor radius", Torus::new(good, bad).err()),
+        ];
+        for (name, error) in cases {
+            let message = error.unwrap_or_else(|| panic!("{name} of {bad} passed")).message;
+            assert!(message.contains(name), "{message}");
+            assert!(message.contains(&bad.to_string()), "{message}");
+        }
+        if bad.abs() > 1e15 || bad.is_nan() {
+            let message = Sphere::new(DVec3::new(0.0, bad, 0.0), 1.0).unwrap_err().message;
+            assert!(message.contains("sphere's center"), "{message}");
+            let corner = DVec3::new(0.0, bad, 0.0);
+            let message = Polygon::new(vec![DVec3::X, corner, DVec3::Z])
+                .unwrap_err()
+                .message;
+            assert!(message.contains("points[1]"), "{message}");
+        }
+    }
+    assert!(Torus::new(1.0, 1.0).is_ok());
+    let message = Torus::new(1.0, 1.5).unwrap_err().message;
+    assert!(
+        message.contains("minor radius") && message.contains("1.5"),
+        "{message}"
+    );
+}
