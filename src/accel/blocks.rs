@@ -8,7 +8,7 @@
 //! of two.
 
 use super::four::F4;
-use crate::math::{DVec3, Ray, max_abs};
+use crate::math::{DVec3, Ray};
 
 /// Number of lanes in a block.
 pub const BLOCK: usize = 4;
@@ -26,11 +26,10 @@ pub struct RayBlock {
     slack_t: F4,
     /// Error of the determinant: 2^-20 D, to be multiplied by L^2.
     slack_det: F4,
-    /// 1 / |d|^2 and 1 / |d|.
+    /// 1 / |d|^2 and 1 / |d|, for spheres; the error of the distance between a sphere's center and the ray is
+    /// 2^-18 M too.
     inverse_dd: F4,
     inverse_length: F4,
-    /// Error of the distance between a sphere's center and the ray: 2^-18 M.
-    slack_sphere: F4,
 }
 
 impl RayBlock {
@@ -38,20 +37,25 @@ impl RayBlock {
     #[inline]
     #[must_use]
     pub fn new(ray: &Ray, extent: f64) -> Self {
-        let m = extent.max(max_abs(ray.origin));
-        let d = ray.dir.x.abs() + ray.dir.y.abs() + ray.dir.z.abs();
-        let dd = ray.dir.dot(ray.dir);
-        let power = |n: i32| f64::from(1 << n).recip();
-        let splat = |x: f64| F4::splat(x as f32);
+        let [ox, oy, oz] = ray.origin.to_array().map(|x| x as f32);
+        let [dx, dy, dz] = ray.dir.to_array().map(|x| x as f32);
+        // The bounds leave room for the roundings of this much.
+        let m = (extent as f32).max(ox.abs()).max(oy.abs()).max(oz.abs());
+        let d = dx.abs() + dy.abs() + dz.abs();
+        let inverse_dd = 1.0 / (dx * dx + dy * dy + dz * dz);
+        // A direction whose square leaves the range of f32 leaves every question to f64.
+        let m = if inverse_dd.is_normal() { m } else { f32::INFINITY };
+        const fn power(n: i32) -> f32 {
+            1.0 / (1u32 << n) as f32
+        }
         Self {
-            origin: ray.origin.to_array().map(splat),
-            dir: ray.dir.to_array().map(splat),
-            slack_edge: splat(power(17) * m * d),
-            slack_t: splat(power(18) * m),
-            slack_det: splat(power(20) * d),
-            inverse_dd: splat(1.0 / dd),
-            inverse_length: splat(1.0 / dd.sqrt()),
-            slack_sphere: splat(power(18) * m),
+            origin: [ox, oy, oz].map(F4::splat),
+            dir: [dx, dy, dz].map(F4::splat),
+            slack_edge: F4::splat(power(17) * m * d),
+            slack_t: F4::splat(power(18) * m),
+            slack_det: F4::splat(power(20) * d),
+            inverse_dd: F4::splat(inverse_dd),
+            inverse_length: F4::splat(inverse_dd.sqrt()),
         }
     }
 }
@@ -185,7 +189,7 @@ impl Spheres {
         let f = [0, 1, 2].map(|k| F4::from_array(self.center[k]).sub(ray.origin[k]));
         let t = dot(f, ray.dir).mul(ray.inverse_dd);
         let l = [0, 1, 2].map(|k| f[k].sub(ray.dir[k].mul(t)));
-        let reach = F4::from_array(self.radius).add(ray.slack_sphere);
+        let reach = F4::from_array(self.radius).add(ray.slack_t);
         let around = reach.mul(ray.inverse_length);
         let outside = reach.mul(reach).below(dot(l, l))
             | t.add(around).below(F4::splat(0.0))
@@ -212,6 +216,7 @@ fn cross(a: [F4; 3], b: [F4; 3]) -> [F4; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::max_abs;
     use crate::shape::{Sphere, triangle::TriangleRay};
 
     fn random() -> impl FnMut() -> f64 {

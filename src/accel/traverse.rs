@@ -7,7 +7,7 @@ use std::mem::MaybeUninit;
 #[cfg(target_arch = "x86_64")]
 use super::lanes::Avx2;
 use super::{
-    boxes::{Child, Node, round_down, round_up},
+    boxes::{Child, Node, round_up},
     build::Bvh,
     lanes::{Lanes, Portable, Simd, prefetch},
 };
@@ -52,20 +52,20 @@ impl RayBox {
             inverse_near: [0.0; 3],
             inverse_far: [0.0; 3],
         };
-        const SLACK: f64 = 8.0 * f32::EPSILON as f64;
+        const SLACK: f32 = 8.0 * f32::EPSILON;
         for k in 0..3 {
-            let (o, d) = (ray.origin[k], ray.dir[k]);
+            let (o, d) = (ray.origin[k] as f32, ray.dir[k]);
+            // A whole unit in the last place to either side, where rounding took half of one at the most.
+            let ulp = o.abs() * f32::EPSILON + f32::MIN_POSITIVE;
             // Finite, so that 0 * inverse is 0: a ray in the plane of a face is inside.
-            let inverse = (1.0 / d).clamp(f64::from(f32::MIN), f64::from(f32::MAX));
-            prepared.inverse_near[k] = (inverse * (1.0 - SLACK)) as f32;
-            prepared.inverse_far[k] =
-                (inverse * (1.0 + SLACK)).clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32;
-            let (below, above) = (round_down(o), round_up(o));
+            let inverse = ((1.0 / d) as f32).clamp(f32::MIN, f32::MAX);
+            prepared.inverse_near[k] = inverse * (1.0 - SLACK);
+            prepared.inverse_far[k] = (inverse * (1.0 + SLACK)).clamp(f32::MIN, f32::MAX);
             if d.is_sign_negative() {
                 (prepared.near[k], prepared.far[k]) = (k + 3, k);
-                (prepared.origin_near[k], prepared.origin_far[k]) = (below, above);
+                (prepared.origin_near[k], prepared.origin_far[k]) = (o - ulp, o + ulp);
             } else {
-                (prepared.origin_near[k], prepared.origin_far[k]) = (above, below);
+                (prepared.origin_near[k], prepared.origin_far[k]) = (o + ulp, o - ulp);
             }
         }
         prepared
