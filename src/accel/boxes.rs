@@ -128,6 +128,11 @@ impl Child {
     /// In an empty lane.
     pub(super) const NOTHING: Self = Self(u32::MAX);
 
+    pub(super) fn node(index: usize) -> Self {
+        debug_assert!(index < Self::LEAF as usize);
+        Self(index as u32)
+    }
+
     pub(super) fn leaf(kind: LeafKind, first: usize, count: usize) -> Self {
         debug_assert!((1..=Self::LEAF_MAX).contains(&count) && first <= Self::PLACES_MAX);
         Self(

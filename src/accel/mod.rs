@@ -13,6 +13,6 @@ mod traverse;
 
 pub use blocks::{BLOCK, Candidates, NONE, RayBlock, Spheres, Triangles};
 pub use boxes::{Box32, Child, LeafKind, round_down, round_up};
-pub use build::{Bvh, Kinds};
+pub use build::{Bvh, Kinds, Primitive};
 pub use lanes::Simd;
 pub use traverse::{Control, RayBox};

@@ -72,9 +72,9 @@ impl RayBox {
     }
 }
 
-/// Seven siblings wait at each of at most 31 levels: 20 by area (`SAH_DEPTH` in the builder), then 27 halvings,
-/// three to a level and one over.
-const STACK: usize = 7 * 34;
+/// Seven siblings wait at each level, and a level takes up at least one of the binary tree's: 48 by area
+/// (`SAH_DEPTH` in the builder), then 27 halvings.
+const STACK: usize = 7 * (48 + 27 + 1);
 
 /// Where a ray has still to go.
 #[derive(Clone, Copy)]
@@ -172,7 +172,11 @@ impl Bvh {
                         continue;
                     }
                     if ANY {
-                        current = child(first);
+                        // Children stand in ascending order of what they promise.
+                        mask |= 1 << first;
+                        let last = 31 - mask.leading_zeros();
+                        mask ^= 1 << last;
+                        current = child(last);
                         self.prefetch(current);
                         while mask != 0 {
                             let next = child(mask.trailing_zeros());
@@ -262,7 +266,7 @@ impl Bvh {
 mod tests {
     use super::*;
     use crate::{
-        accel::{Box32, Kinds, LeafKind},
+        accel::{Box32, Kinds, LeafKind, Primitive},
         math::{Bounds3, DVec3},
     };
 
@@ -298,8 +302,14 @@ mod tests {
     /// A tree with its blocks as plain lists.
     fn build(boxes: &[Bounds3], kinds: Kinds) -> (Bvh, [Vec<Vec<u32>>; 2]) {
         let mut blocks = [const { Vec::new() }; 2];
-        let boxes: Vec<Box32> = boxes.iter().map(Box32::around).collect();
-        let bvh = Bvh::build(&boxes, kinds, |kind, indices| {
+        let primitives: Vec<Primitive> = boxes
+            .iter()
+            .map(|b| Primitive {
+                bounds: Box32::around(b),
+                area: 1.0,
+            })
+            .collect();
+        let bvh = Bvh::build(&primitives, kinds, |kind, indices| {
             blocks[kind as usize].push(indices.to_vec())
         });
         (bvh, blocks)

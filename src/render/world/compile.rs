@@ -9,7 +9,7 @@ use super::{
     level::{Instance, Level, PlacedShape, PlacedSphere, Primitive, TriangleRun, TriangleSource},
 };
 use crate::{
-    accel::{Box32, Bvh, Kinds, LeafKind, Spheres, Triangles},
+    accel::{self, Box32, Bvh, Kinds, LeafKind, Spheres, Triangles},
     diag::{Diagnostic, Error, ErrorKind},
     math::{Bounds3, DAffine3, DMat3, DVec3, is_singular, max_abs},
     scene::{Geometry, GroupId, Mesh, MeshId, ROOT_GROUP, Scene},
@@ -175,12 +175,16 @@ impl Compiler<'_> {
             .map(|b| max_abs(b.min).max(max_abs(b.max)))
             .fold(0.0, f64::max);
         // What has no bounds has an empty box here, which no ray enters.
-        let boxes: Vec<Box32> = bounds
+        let primitives: Vec<accel::Primitive> = bounds
             .into_iter()
-            .map(|b| b.map_or(Box32::EMPTY, |b| Box32::around(&b)))
+            .zip(0..)
+            .map(|(b, index)| accel::Primitive {
+                bounds: b.map_or(Box32::EMPTY, |b| Box32::around(&b)),
+                area: level.blocking_area(index, b) as f32,
+            })
             .collect();
         let (mut triangle_blocks, mut sphere_blocks) = (Vec::new(), Vec::new());
-        level.bvh = Bvh::build(&boxes, kinds, |kind, indices| {
+        level.bvh = Bvh::build(&primitives, kinds, |kind, indices| {
             if kind == LeafKind::Triangles {
                 let mut block = Triangles::EMPTY;
                 for (lane, &index) in indices.iter().enumerate() {

@@ -134,6 +134,20 @@ impl Level {
         self.triangles[triangle as usize].map(|i| self.vertices[i as usize])
     }
 
+    /// How much light a primitive can block, roughly.
+    pub(super) fn blocking_area(&self, index: u32, bounds: Option<Bounds3>) -> f64 {
+        match self.primitive(index) {
+            Primitive::Triangle(i) => {
+                let [a, b, c] = self.corners(i);
+                (b - a).cross(c - a).length()
+            }
+            _ => bounds.map_or(0.0, |b| {
+                let size = b.size();
+                size.x * size.y + size.y * size.z + size.z * size.x
+            }),
+        }
+    }
+
     /// The run that holds a triangle.
     pub(super) fn run(&self, triangle: u32) -> Option<&TriangleRun> {
         let after = self.runs.partition_point(|run| run.first <= triangle);
