@@ -8,6 +8,7 @@ pub mod accel;
 pub mod color;
 pub mod diag;
 pub mod host;
+pub mod import;
 pub mod limits;
 pub mod math;
 pub mod render;

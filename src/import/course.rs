@@ -1,0 +1,185 @@
+//! The scene format of the ray-tracing homework of UCSD CSE167 and edX CSE167x (Ravi Ramamoorthi).
+
+use super::{
+    command::Command,
+    text::{Source, counted, lines},
+};
+use crate::{
+    Builder, Diagnostic, ErrorKind, SceneError, Term,
+    diag::SourceLoc,
+    math::DVec3,
+    scene::{Camera, Encoding},
+};
+
+/// What a scene file of the course says beyond the scene.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Course {
+    /// The name after the last `output`: where the picture was meant to go.
+    pub output: Option<String>,
+}
+
+/// Builds the scene of a file in the course's format, `source`, called `name` in messages.
+///
+/// One command a line; `#` begins a comment. The builder should be fresh: the format's defaults are the
+/// builder's. Sets the encoding to raw. The current matrix acts where a `tri`, `trinormal` or `sphere` stands,
+/// not where its vertices are listed; lights stand under the current matrix as in OpenGL; point lights keep the
+/// attenuation in force when they are made. Of several `size`, `camera` or `output` lines the last counts.
+/// A file may end without its last `popTransform`: the course's own scenes do.
+///
+/// # Errors
+/// An unknown command, a wrong number of values, a value that is no finite number, a vertex that is not
+/// listed yet, or whatever the [`Builder`] refuses; with file, line and column.
+pub fn load_course(name: &str, source: &str, builder: &mut Builder) -> Result<Course, Diagnostic> {
+    let source = Source::new(name, source, ErrorKind::Script);
+    let mut loader = Loader {
+        file: builder.file(name),
+        source,
+        builder,
+        vertices: Vec::new(),
+        smooth_vertices: Vec::new(),
+        pushes: 0,
+        has_size: false,
+        has_camera: false,
+        course: Course::default(),
+    };
+    loader.load()?;
+    Ok(loader.course)
+}
+
+struct Loader<'a, 'b> {
+    file: u16,
+    source: Source<'a>,
+    builder: &'b mut Builder,
+    /// The list of `vertex`.
+    vertices: Vec<DVec3>,
+    /// The list of `vertexnormal`: position and normal.
+    smooth_vertices: Vec<(DVec3, DVec3)>,
+    /// Matrices saved and not yet restored.
+    pushes: usize,
+    has_size: bool,
+    has_camera: bool,
+    course: Course,
+}
+
+impl Loader<'_, '_> {
+    fn load(&mut self) -> Result<(), Diagnostic> {
+        self.builder.encoding(Encoding::Raw);
+        for (number, line) in (1u32..).zip(lines(self.source.text)) {
+            let Some((word, command)) = Command::parse(&self.source, line)? else {
+                continue;
+            };
+            let column = line.len() - line.trim_ascii_start().len() + 1;
+            self.builder.set_loc(SourceLoc {
+                line: number,
+                column: u16::try_from(column).unwrap_or(u16::MAX),
+                file: self.file,
+            });
+            self.run(command)
+                .map_err(|error| self.source.place(error.into(), word))?;
+        }
+        self.builder.set_loc(SourceLoc {
+            file: self.file,
+            ..SourceLoc::default()
+        });
+        // Nothing follows that a matrix left over could act on.
+        for _ in 0..self.pushes {
+            let restored = self.builder.pop_transform();
+            debug_assert!(restored.is_ok());
+        }
+        if !self.has_size {
+            self.builder.warn(
+                "the picture has no size, so it is 640 x 480",
+                Some("begin the file with: size 640 480"),
+            );
+        }
+        if !self.has_camera {
+            self.builder.warn(
+                "there is no camera, so it stands at 0 0 5 and looks at the origin",
+                Some("write: camera eyex eyey eyez centerx centery centerz upx upy upz fovy"),
+            );
+        }
+        Ok(())
+    }
+
+    fn run(&mut self, command: Command<'_>) -> Result<(), SceneError> {
+        let builder = &mut *self.builder;
+        match command {
+            Command::Size(width, height) => {
+                self.has_size = true;
+                builder.size(width, height)?;
+            }
+            Command::MaxDepth(n) => builder.max_depth(n)?,
+            Command::Output(name) => self.course.output = Some(name.to_owned()),
+            Command::Camera { eye, at, up, fovy } => {
+                self.has_camera = true;
+                builder.camera(Camera::new(eye, at, up, fovy)?);
+            }
+            Command::Sphere(center, radius) => builder.sphere(center, radius)?,
+            Command::Capacity => {}
+            Command::Vertex(position) => self.vertices.push(position),
+            Command::VertexNormal(position, normal) => self.smooth_vertices.push((position, normal)),
+            Command::Tri(indices) => {
+                let [a, b, c] = indices.map(|i| listed(&self.vertices, i, "vertex"));
+                builder.triangle([a?, b?, c?], None)?;
+            }
+            Command::TriNormal(indices) => {
+                let [a, b, c] = indices.map(|i| smooth(&self.smooth_vertices, i));
+                let [a, b, c] = [a?, b?, c?];
+                builder.triangle([a.0, b.0, c.0], Some([a.1, b.1, c.1]))?;
+            }
+            Command::Translate(by) => builder.translate(by)?,
+            Command::Rotate(axis, degrees) => builder.rotate(axis, degrees)?,
+            Command::Scale(by) => builder.scale(by)?,
+            Command::PushTransform => {
+                builder.push_transform()?;
+                self.pushes += 1;
+            }
+            Command::PopTransform => {
+                builder.pop_transform()?;
+                self.pushes = self.pushes.saturating_sub(1);
+            }
+            Command::Directional(direction, color) => builder.directional(direction, color)?,
+            Command::Point(position, color) => builder.point(position, color)?,
+            Command::Attenuation(attenuation) => builder.attenuation(attenuation)?,
+            Command::Ambient(color) => builder.material_mut().ambient = Term::color(color),
+            Command::Diffuse(color) => builder.material_mut().diffuse = Term::color(color),
+            Command::Specular(color) => builder.material_mut().specular = Term::color(color),
+            Command::Shininess(exponent) => builder.material_mut().shininess = exponent,
+            Command::Emission(color) => builder.material_mut().emission = Term::color(color),
+        }
+        Ok(())
+    }
+}
+
+/// Entry `index` of the list that the command `what` fills.
+fn listed<T: Copy>(list: &[T], index: usize, what: &str) -> Result<T, SceneError> {
+    list.get(index).copied().ok_or_else(|| {
+        let error = SceneError::new(format!(
+            "there is no {what} {index}: {} before this line",
+            counted(
+                list.len(),
+                &format!("{what} comes"),
+                &format!("{what} lines come")
+            ),
+        ));
+        match (list.len(), what) {
+            (0, "vertex") => {
+                error.hint("trinormal takes the vertices of vertexnormal lines, tri those of vertex lines")
+            }
+            (0, _) => {
+                error.hint("tri takes the vertices of vertex lines, trinormal those of vertexnormal lines")
+            }
+            (n, _) => error.hint(format!("they are counted from 0, so the last is {}", n - 1)),
+        }
+    })
+}
+
+fn smooth(list: &[(DVec3, DVec3)], index: usize) -> Result<(DVec3, DVec3), SceneError> {
+    let vertex = listed(list, index, "vertexnormal")?;
+    if vertex.1 == DVec3::ZERO {
+        return Err(SceneError::new(format!(
+            "the normal of vertexnormal {index} is zero"
+        )));
+    }
+    Ok(vertex)
+}

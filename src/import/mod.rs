@@ -1,0 +1,15 @@
+//! Files that describe scenes or parts of them: bytes in, calls on the [`Builder`](crate::Builder) out.
+//!
+//! Nothing here opens a file by itself, and nothing trusts what it reads: every fault in a file becomes a
+//! [`Diagnostic`](crate::Diagnostic) with its file, line and column.
+
+#![allow(
+    clippy::result_large_err,
+    reason = "an error ends the run, so its size is paid for once"
+)]
+
+mod command;
+mod course;
+mod text;
+
+pub use course::{Course, load_course};
