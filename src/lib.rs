@@ -13,6 +13,7 @@ pub mod limits;
 pub mod math;
 pub mod render;
 pub mod scene;
+pub mod script;
 pub mod shape;
 
 pub use diag::{Diagnostic, Error, ErrorKind, Report};
@@ -21,3 +22,4 @@ pub use limits::Limits;
 pub use math::DVec3;
 pub use render::{Image, RenderOptions, Rendered, render};
 pub use scene::{Builder, Material, Scene, SceneError, Term};
+pub use script::{Picture, Run, RunOptions, Script};

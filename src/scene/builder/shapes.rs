@@ -36,6 +36,12 @@ impl Builder {
         })
     }
 
+    /// The texture behind a handle.
+    #[must_use]
+    pub fn texture_at(&self, id: TextureId) -> Option<&Arc<Texture>> {
+        self.scene.textures.get(id.index())
+    }
+
     /// Adds a texture, to be named in a [`Term`](super::Term). The same `Arc` twice gives the same handle.
     pub fn texture(&mut self, texture: &Arc<Texture>) -> TextureId {
         let textures = &mut self.scene.textures;

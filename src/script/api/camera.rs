@@ -1,0 +1,138 @@
+//! Size, samples, background, encoding, seed and the camera.
+
+use super::{color, int, number, string, vec3};
+use crate::{
+    diag::nearest_names,
+    scene::{Camera, Encoding},
+    script::{
+        call::{Call, quoted},
+        session::State,
+        table::{DONE, Entry, Group},
+        value::Outcome,
+    },
+};
+
+pub(super) const ENTRIES: &[Entry] = &[
+    Entry::scene(Group::Camera, "size", size)
+        .takes(&[&[
+            int("width", "pixels", "across, at least 1"),
+            int("height", "pixels", "down, at least 1"),
+        ]])
+        .doc("The picture's size. Default: 640 x 480. The command's --size wins.")
+        .usage("size(640, 480)")
+        .example("size(320, 240);\nsphere(0, 0, 0, 1);")
+        .also(&["resolution", "imageSize", "canvas"]),
+    Entry::scene(Group::Camera, "samples", samples)
+        .takes(&[&[int("n", "rays per pixel", "1 is one ray through the center; more are jittered in strata")]])
+        .doc("Rays per pixel. Default: 1. The command's --samples wins.")
+        .usage("samples(16)")
+        .example("samples(4);\nsphere(0, 0, 0, 1);")
+        .also(&["spp", "antialias", "aa"]),
+    Entry::scene(Group::Camera, "maxDepth", max_depth)
+        .takes(&[&[int("n", "bounces", "0 to 64")]])
+        .doc("Secondary bounces: the camera ray plus n reflected or refracted rays in a row. Default: 5.")
+        .usage("maxDepth(5)")
+        .example("maxDepth(2);\nspecular(0.8, 0.8, 0.8);\nlight([5, 5, 5], [1, 1, 1]);\nsphere(-1, 0, 0, 1);\nsphere(1, 0, 0, 1);")
+        .also(&["depth", "bounces", "maxBounces"]),
+    Entry::scene(Group::Camera, "background", background)
+        .takes(&[&[color("color", "what a ray sees that leaves the scene")]])
+        .doc("The color behind everything. Default: black.")
+        .usage("background(0.5, 0.7, 1)")
+        .example("background(\"#87ceeb\");\nsphere(0, 0, 0, 1);")
+        .also(&["sky", "backgroundColor", "clearColor"]),
+    Entry::scene(Group::Camera, "encoding", encoding)
+        .takes(&[&[string("name", "\"srgb\": the sRGB curve, rounded; \"raw\": clamped, times 255, truncated, as the CSE167 course wants it")]])
+        .doc("How linear light becomes 8 bits. Default: \"srgb\".")
+        .usage("encoding(\"srgb\")")
+        .example("encoding(\"raw\");\nsphere(0, 0, 0, 1);")
+        .also(&["gamma", "colorspace"]),
+    Entry::scene(Group::Camera, "seed", seed)
+        .takes(&[&[int("n", "none", "any whole number")]])
+        .doc("Seeds every random choice of the renderer, and starts random() anew. Default: 0. The command's --seed wins, and then this does nothing.")
+        .usage("seed(42)")
+        .example("seed(7);\nfor i in 0..5 { sphere(random(-2, 2), random(-1, 1), 0, 0.3); }")
+        .also(&["randomSeed", "srand"]),
+    Entry::scene(Group::Camera, "camera", camera)
+        .takes(&[&[
+            vec3("from", "world units", "where the camera stands"),
+            vec3("at", "world units", "the point in the middle of the picture"),
+            vec3("up", "none", "a direction that points up in the picture"),
+            number("fovy", "degrees", "vertical field of view, between 0 and 180"),
+        ]])
+        .doc("As gluLookAt and gluPerspective. The last call counts. Default: from [0, 0, 5] at [0, 0, 0], up [0, 1, 0], 45 degrees. The current matrix does not move it.")
+        .usage("camera([0, 1, 5], [0, 0, 0], [0, 1, 0], 45)")
+        .example("camera([3, 2, 5], [0, 0, 0], [0, 1, 0], 30);\nsphere(0, 0, 0, 1);")
+        .also(&["lookAt", "gluLookAt", "perspective", "view"]),
+];
+
+fn size(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let (width, height) = (call.count("width", 1)?, call.count("height", 1)?);
+    call.end()?;
+    let before = (state.builder.settings().width, state.builder.settings().height);
+    state.builder.size(width, height)?;
+    if state.size.is_some() {
+        state.builder.size(before.0, before.1)?;
+    }
+    DONE
+}
+
+fn samples(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let n = call.count("n", 1)?;
+    call.end()?;
+    let before = state.builder.settings().samples;
+    state.builder.samples(n)?;
+    if state.samples.is_some() {
+        state.builder.samples(before)?;
+    }
+    DONE
+}
+
+fn max_depth(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let n = call.count("n", 0)?;
+    call.end()?;
+    state.builder.max_depth(n)?;
+    DONE
+}
+
+fn background(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let color = call.color("color")?;
+    call.end()?;
+    state.builder.background(color)?;
+    DONE
+}
+
+fn encoding(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let name = call.string("name")?;
+    call.end()?;
+    let encoding = match name.as_str() {
+        "srgb" => Encoding::Srgb,
+        "raw" => Encoding::Raw,
+        other => {
+            let error = call.error(format!("name must be \"srgb\" or \"raw\", not {}", quoted(other)));
+            return Err(match nearest_names(other, ["srgb", "raw"]).first() {
+                Some(near) => error.hint(format!("did you mean \"{near}\"?")),
+                None => error,
+            });
+        }
+    };
+    state.builder.encoding(encoding);
+    DONE
+}
+
+fn seed(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let n = call.int("n")?.cast_unsigned();
+    call.end()?;
+    if state.seed.is_none() {
+        state.builder.seed(n);
+        state.random = super::Stream::new(n);
+    }
+    DONE
+}
+
+fn camera(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let (eye, at, up) = (call.vec3("from")?, call.vec3("at")?, call.vec3("up")?);
+    let fovy = call.number("fovy")?;
+    call.end()?;
+    state.builder.camera(Camera::new(eye, at, up, fovy)?);
+    DONE
+}

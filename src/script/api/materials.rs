@@ -1,0 +1,273 @@
+//! The material state and textures.
+
+use std::sync::Arc;
+
+use rhai::{Dynamic, FuncRegistration, Map, Module};
+
+use super::{color, map, number, term};
+use crate::{
+    color::Color,
+    math::DVec3,
+    scene::{Material, Term, Texture},
+    script::{
+        call::{Call, TermValue, texture_of},
+        session::State,
+        table::{DONE, Entry, Group},
+        value::{ImageValue, Outcome, TextureValue},
+    },
+};
+
+const KEYS: [&str; 8] = [
+    "ambient",
+    "diffuse",
+    "emission",
+    "ior",
+    "reflection",
+    "shininess",
+    "specular",
+    "transmission",
+];
+
+pub(super) const ENTRIES: &[Entry] = &[
+    Entry::scene(Group::Materials, "ambient", ambient)
+        .takes(&[&[term("color", "Ka")]])
+        .doc("The constant term Ka of shapes made from now on. Default: 0.2, 0.2, 0.2.")
+        .usage("ambient(0.1, 0.1, 0.1)")
+        .example("ambient(0.3, 0.1, 0.1);\nsphere(0, 0, 0, 1);"),
+    Entry::scene(Group::Materials, "emission", emission)
+        .takes(&[&[term("color", "Ke")]])
+        .doc("The constant term Ke, for what glows. It lights nothing else. Default: black.")
+        .usage("emission(1, 0.9, 0.5)")
+        .example("emission(1, 0.9, 0.5);\nsphere(0, 0, 0, 1);")
+        .also(&["emissive", "emit", "glow"]),
+    Entry::scene(Group::Materials, "diffuse", diffuse)
+        .takes(&[&[term("color", "Kd")]])
+        .doc("Kd: the color under light, by Lambert's cosine. Default: black.")
+        .usage("diffuse(0.8, 0.2, 0.1)")
+        .example("light([5, 5, 5], [1, 1, 1]);\ndiffuse(checker(\"#fff\", \"#333\", 0.5));\nsphere(0, 0, 0, 1);")
+        .also(&["color", "fill", "albedo", "colour"]),
+    Entry::scene(Group::Materials, "specular", specular)
+        .takes(&[&[term("color", "Ks")]])
+        .doc("Ks: the highlight and, unless reflection(color) says otherwise, the mirror. Default: black.")
+        .usage("specular(0.5, 0.5, 0.5)")
+        .example("light([5, 5, 5], [1, 1, 1]);\ndiffuse(0.6, 0, 0);\nspecular(0.3, 0.3, 0.3);\nshininess(50);\nsphere(0, 0, 0, 1);"),
+    Entry::scene(Group::Materials, "shininess", shininess)
+        .takes(&[&[number("s", "none", "0 or greater")]])
+        .doc("The exponent of the half-angle highlight: the larger, the smaller the highlight. Default: 1.")
+        .usage("shininess(50)")
+        .example("light([5, 5, 5], [1, 1, 1]);\nspecular(1, 1, 1);\nreflection(0, 0, 0);\nshininess(100);\nsphere(0, 0, 0, 1);")
+        .also(&["exponent", "gloss"]),
+    Entry::scene(Group::Materials, "reflection", reflection)
+        .takes(&[&[term("color", "Kr")]])
+        .doc("Kr: the mirror's weight where it is to differ from Ks. Default: Ks.")
+        .usage("reflection(0, 0, 0)")
+        .example("light([5, 5, 5], [1, 1, 1]);\nbackground(0.3, 0.5, 0.8);\nspecular(1, 1, 1);\nreflection(0.2, 0.2, 0.2);\nsphere(0, 0, 0, 1);")
+        .also(&["mirror", "reflect", "reflective"]),
+    Entry::scene(Group::Materials, "transmission", transmission)
+        .takes(&[&[term("color", "Kt")]])
+        .doc("Kt: what is seen through the surface, bent by ior(n). Default: black, opaque.")
+        .usage("transmission(0.9, 0.9, 0.9)")
+        .example("background(0.3, 0.5, 0.8);\nambient(0, 0, 0);\ntransmission(0.9, 0.9, 0.9);\nior(1.5);\nsphere(0, 0, 0, 1);")
+        .also(&["transparency", "refraction", "opacity", "alpha", "glass"]),
+    Entry::scene(Group::Materials, "ior", ior)
+        .takes(&[&[number("n", "none", "greater than 0; water 1.33, glass 1.5, diamond 2.42")]])
+        .doc("The index of refraction inside the shape, against 1 outside. Default: 1.5.")
+        .usage("ior(1.5)")
+        .example("background(0.3, 0.5, 0.8);\ntransmission(1, 1, 1);\nior(1.33);\nsphere(0, 0, 0, 1);")
+        .also(&["refractiveIndex", "indexOfRefraction", "eta"]),
+    Entry::scene(Group::Materials, "material", material)
+        .takes(&[
+            &[],
+            &[map("options", "any of ambient, diffuse, emission, ior, reflection, shininess, specular, transmission")],
+        ])
+        .returns("map")
+        .doc("Sets several terms at once and returns the whole state as a map. material(m) puts such a map back. A reflection of () follows Ks again.")
+        .usage("material(#{ diffuse: [0.8, 0.2, 0.1], shininess: 50 })")
+        .example("light([5, 5, 5], [1, 1, 1]);\nlet red = material(#{ diffuse: [0.8, 0.1, 0.1] });\ndiffuse(0.1, 0.1, 0.8);\nsphere(-1, 0, 0, 0.8);\nmaterial(red);\nsphere(1, 0, 0, 0.8);")
+        .also(&["setMaterial", "surface", "finish"]),
+    Entry::pure(Group::Materials, "checker", checker)
+        .takes(&[&[
+            color("colorA", "the cube that starts at the origin"),
+            color("colorB", "its neighbours"),
+            number("size", "object units", "edge of a cube, greater than 0"),
+        ]])
+        .returns("texture")
+        .doc("A texture of two colors in cubes of the shape's own space. It stands wherever a color of a material may.")
+        .usage("checker(\"#fff\", \"#333\", 1)")
+        .example("light([2, 5, 5], [1, 1, 1]);\ndiffuse(checker([1, 1, 1], [0.1, 0.1, 0.1], 1));\nsphere(0, -101, 0, 100);\nsphere(0, 0, 0, 1);")
+        .also(&["checkerboard", "checkers"]),
+];
+
+/// A term of the scene from a term of the script.
+fn scene_term(state: &mut State, value: &TermValue) -> Term {
+    Term {
+        color: value.color,
+        texture: value.texture.as_ref().map(|t| state.builder.texture(t)),
+    }
+}
+
+macro_rules! terms {
+    ($($name:ident => |$m:ident, $t:ident| $set:expr;)*) => {
+        $(fn $name(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+            let value = call.term("color")?;
+            call.end()?;
+            let $t = scene_term(state, &value);
+            let $m = state.builder.material_mut();
+            $set;
+            DONE
+        })*
+    };
+}
+
+terms! {
+    ambient => |m, t| m.ambient = t;
+    emission => |m, t| m.emission = t;
+    diffuse => |m, t| m.diffuse = t;
+    specular => |m, t| m.specular = t;
+    reflection => |m, t| m.reflection = Some(t);
+    transmission => |m, t| m.transmission = t;
+}
+
+fn shininess(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let s = call.number("s")?;
+    call.end()?;
+    state.builder.material_mut().shininess = exponent(call, "s", s)?;
+    DONE
+}
+
+fn ior(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let n = call.number("n")?;
+    call.end()?;
+    state.builder.material_mut().ior = index(call, "n", n)?;
+    DONE
+}
+
+fn exponent(call: &Call<'_, '_>, name: &str, s: f64) -> Outcome<f64> {
+    if s >= 0.0 {
+        return Ok(s);
+    }
+    Err(call.error(format!("{name} must be 0 or greater, not {s}")))
+}
+
+fn index(call: &Call<'_, '_>, name: &str, n: f64) -> Outcome<f64> {
+    if n > 0.0 {
+        return Ok(n);
+    }
+    Err(call
+        .error(format!("{name} must be greater than 0, not {n}"))
+        .hint("water has 1.33, glass 1.5, diamond 2.42"))
+}
+
+fn material(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    if call.rest() > 0 {
+        let given = call.any()?;
+        call.end()?;
+        let Some(map) = given.read_lock::<Map>() else {
+            return Err(call.wrong_kind("options", "a map #{ }", given));
+        };
+        call.known_keys(&map, &KEYS)?;
+        let mut m = state.builder.material().clone();
+        for (key, value) in map.iter() {
+            set(call, state, &mut m, key, value)?;
+        }
+        state.builder.set_material(m);
+    }
+    Ok(Dynamic::from_map(as_map(state)))
+}
+
+fn set(call: &Call<'_, '_>, state: &mut State, m: &mut Material, key: &str, value: &Dynamic) -> Outcome<()> {
+    match key {
+        "shininess" => m.shininess = exponent(call, key, call.number_from(key, value)?)?,
+        "ior" => m.ior = index(call, key, call.number_from(key, value)?)?,
+        "reflection" if value.is_unit() => m.reflection = None,
+        _ => {
+            let t = scene_term(state, &call.term_from(key, value)?);
+            match key {
+                "ambient" => m.ambient = t,
+                "diffuse" => m.diffuse = t,
+                "emission" => m.emission = t,
+                "reflection" => m.reflection = Some(t),
+                "specular" => m.specular = t,
+                _ => m.transmission = t,
+            }
+        }
+    }
+    Ok(())
+}
+
+fn as_map(state: &State) -> Map {
+    let m = state.builder.material();
+    let term = |t: &Term| match t.texture.and_then(|id| state.builder.texture_at(id)) {
+        None => Dynamic::from(t.color),
+        Some(texture) => match ImageValue::of(texture) {
+            Some(image) if t.color == Color::ONE => Dynamic::from(image),
+            _ => Dynamic::from(TextureValue {
+                texture: Arc::clone(texture),
+                tint: t.color,
+            }),
+        },
+    };
+    let entries = [
+        ("ambient", term(&m.ambient)),
+        ("diffuse", term(&m.diffuse)),
+        ("emission", term(&m.emission)),
+        ("ior", Dynamic::from(m.ior)),
+        ("reflection", m.reflection.as_ref().map_or(Dynamic::UNIT, term)),
+        ("shininess", Dynamic::from(m.shininess)),
+        ("specular", term(&m.specular)),
+        ("transmission", term(&m.transmission)),
+    ];
+    entries
+        .into_iter()
+        .map(|(key, value)| (key.into(), value))
+        .collect()
+}
+
+fn checker(call: &mut Call<'_, '_>) -> Outcome {
+    let (even, odd) = (call.color("colorA")?, call.color("colorB")?);
+    let size = call.number("size")?;
+    call.end()?;
+    if !(size > 0.0) {
+        return Err(call.error(format!("size must be greater than 0, not {size}")));
+    }
+    Ok(Dynamic::from(TextureValue {
+        texture: Arc::new(Texture::Checker { even, odd, size }),
+        tint: Color::ONE,
+    }))
+}
+
+/// A texture times a number or a color.
+pub(super) fn extend(module: &mut Module) {
+    module.set_custom_type::<TextureValue>("texture");
+    for name in ["to_string", "to_debug"] {
+        FuncRegistration::new(name).set_into_module(module, |t: &mut TextureValue| t.to_string());
+    }
+    tint::<TextureValue>(module);
+    tint::<ImageValue>(module);
+}
+
+fn tint<T: Clone + Send + Sync + 'static>(module: &mut Module) {
+    fn tinted<T: Clone + Send + Sync + 'static>(value: T, by: Color) -> Dynamic {
+        let value = Dynamic::from(value);
+        texture_of(&value).map_or(Dynamic::UNIT, |t| match t.texture {
+            Some(texture) => Dynamic::from(TextureValue {
+                texture,
+                tint: t.color * by,
+            }),
+            None => Dynamic::UNIT,
+        })
+    }
+    macro_rules! times {
+        ($($number:ty => |$n:ident| $color:expr;)*) => {
+            $(
+                FuncRegistration::new("*").set_into_module(module, |t: T, $n: $number| tinted(t, $color));
+                FuncRegistration::new("*").set_into_module(module, |$n: $number, t: T| tinted(t, $color));
+            )*
+        };
+    }
+    times! {
+        f64 => |n| Color::splat(n);
+        i64 => |n| Color::splat(n as f64);
+        DVec3 => |n| n;
+    }
+}

@@ -1,0 +1,72 @@
+//! The functions of the language, one file per group, each a list of entries of the one table.
+
+mod camera;
+mod functions;
+mod lights;
+mod materials;
+mod maths;
+mod numbers;
+mod output;
+mod random;
+mod shapes;
+mod strings;
+mod transform;
+mod vector;
+
+pub(super) use random::Stream;
+
+use rhai::Module;
+
+use super::table::{Entry, Kind, Param};
+
+/// Every list, in the order of the reference.
+pub(super) const ALL: [&[Entry]; 9] = [
+    camera::ENTRIES,
+    transform::ENTRIES,
+    shapes::ENTRIES,
+    materials::ENTRIES,
+    lights::ENTRIES,
+    output::ENTRIES,
+    vector::ENTRIES,
+    maths::ENTRIES,
+    random::ENTRIES,
+];
+
+/// What is no function of the table: operators, properties and conversions of our types, and replacements of
+/// functions of Rhai's that are not portable or not safe.
+pub(super) fn extend(module: &mut Module) {
+    vector::extend(module);
+    output::extend(module);
+    materials::extend(module);
+    numbers::extend(module);
+    strings::extend(module);
+    functions::extend(module);
+}
+
+const fn number(name: &'static str, unit: &'static str, doc: &'static str) -> Param {
+    Param::new(name, Kind::Number, unit, doc)
+}
+
+const fn int(name: &'static str, unit: &'static str, doc: &'static str) -> Param {
+    Param::new(name, Kind::Int, unit, doc)
+}
+
+const fn vec3(name: &'static str, unit: &'static str, doc: &'static str) -> Param {
+    Param::new(name, Kind::Vec3, unit, doc)
+}
+
+const fn color(name: &'static str, doc: &'static str) -> Param {
+    Param::new(name, Kind::Color, "linear RGB", doc)
+}
+
+const fn term(name: &'static str, doc: &'static str) -> Param {
+    Param::new(name, Kind::Term, "linear RGB", doc)
+}
+
+const fn string(name: &'static str, doc: &'static str) -> Param {
+    Param::new(name, Kind::String, "none", doc)
+}
+
+const fn map(name: &'static str, doc: &'static str) -> Param {
+    Param::new(name, Kind::Map, "none", doc)
+}

@@ -1,0 +1,126 @@
+//! Rendering from the script, and pictures as values.
+
+use std::{
+    sync::{Arc, atomic::Ordering},
+    time::Duration,
+};
+
+use rhai::{Dynamic, FuncRegistration, Module};
+
+use super::{int, string};
+use crate::{
+    diag::ErrorKind,
+    scene::{ImageTexture, Texels},
+    script::{
+        Picture,
+        call::Call,
+        session::{Clock, State},
+        table::{Entry, Group, Kind, Param},
+        value::{ImageValue, Outcome, ScriptError},
+    },
+};
+
+pub(super) const ENTRIES: &[Entry] = &[
+    Entry::scene(Group::Output, "render", render)
+        .takes(&[
+            &[],
+            &[string("name", "the file, its format chosen by the ending")],
+        ])
+        .returns("image")
+        .doc("Renders the scene built so far and returns the picture, which can be looked at, or used as a texture; with a name, writes it too. A script that never calls it is rendered once when it ends.")
+        .usage("render(\"picture.png\")")
+        .example("size(32, 24);\nbackground(0.2, 0.4, 0.8);\nsphere(0, 0, 0, 1);\nlet picture = render();\nprint(picture.pixel(0, 0));")
+        .also(&["draw", "save", "output", "write", "trace"]),
+    Entry::pure(Group::Output, "pixel", pixel)
+        .takes(&[&[
+            Param::new("image", Kind::Image, "none", "a picture"),
+            int("x", "pixels", "column from the left, from 0"),
+            int("y", "pixels", "row from the top, from 0"),
+        ]])
+        .returns("vec3")
+        .doc("The color of one pixel of a picture in linear RGB. picture.width and picture.height are its size.")
+        .usage("picture.pixel(0, 0)")
+        .example("size(32, 24);\nbackground(0.2, 0.4, 0.8);\nsphere(0, 0, 0, 1);\nlet picture = render();\nlet middle = picture.pixel(picture.width / 2, picture.height / 2);\nprint(middle.x);"),
+];
+
+fn render(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let name = match call.rest() {
+        0 => None,
+        _ => Some(call.string("name")?),
+    };
+    call.end()?;
+    if name.as_ref().is_some_and(|n| n.trim().is_empty()) {
+        return Err(call
+            .error("name must not be empty")
+            .hint("for example render(\"picture.png\")"));
+    }
+    let scene = state.builder.snapshot();
+    let clock = Clock::start();
+    let rendered = state.host.render(scene);
+    let result = rendered.map_or_else(|| Err(stopped()), |r| r.map_err(|e| (*e.diagnostic).into()));
+    count_rendering(state, clock.elapsed());
+    let report = result?;
+    state.warnings.extend(report.warnings);
+    let image = Arc::new(report.value.image);
+    if let Some(name) = &name {
+        state.host.write_shared(name, &image)?;
+    }
+    let value = ImageValue::new(ImageTexture {
+        name: name.as_deref().unwrap_or("render()").to_owned(),
+        width: image.width(),
+        height: image.height(),
+        texels: Texels::Linear(image.pixels().to_vec()),
+    });
+    state.pictures.push(Picture {
+        name: name.map(|n| n.to_string()),
+        image: Arc::unwrap_or_clone(image),
+        stats: report.value.stats,
+    });
+    Ok(Dynamic::from(value))
+}
+
+#[cold]
+fn stopped() -> Box<ScriptError> {
+    ScriptError::of_kind(ErrorKind::Cancelled, "the run was stopped")
+}
+
+fn count_rendering(state: &State, spent: Duration) {
+    let nanos = u64::try_from(spent.as_nanos()).unwrap_or(u64::MAX);
+    state.rendering.fetch_add(nanos, Ordering::Relaxed);
+}
+
+fn pixel(call: &mut Call<'_, '_>) -> Outcome {
+    let given = call.any()?;
+    let Some(value) = given.read_lock::<ImageValue>() else {
+        return Err(call.wrong_kind("image", "an image", given));
+    };
+    let (x, y) = (call.int("x")?, call.int("y")?);
+    call.end()?;
+    let Some(image) = value.image() else {
+        return Err(call.wrong_kind("image", "an image", given));
+    };
+    let inside = |i: i64, n: u32| u32::try_from(i).ok().filter(|i| *i < n);
+    match (inside(x, image.width), inside(y, image.height)) {
+        (Some(x), Some(y)) => Ok(Dynamic::from(image.texel(x, y))),
+        _ => Err(call
+            .error(format!(
+                "there is no pixel ({x}, {y}) in an image of {} x {}",
+                image.width, image.height
+            ))
+            .hint("columns and rows count from 0")),
+    }
+}
+
+/// Properties of pictures.
+pub(super) fn extend(module: &mut Module) {
+    module.set_custom_type::<ImageValue>("image");
+    for name in ["to_string", "to_debug"] {
+        FuncRegistration::new(name).set_into_module(module, |i: &mut ImageValue| i.to_string());
+    }
+    FuncRegistration::new_getter("width").set_into_module(module, |i: &mut ImageValue| {
+        i.image().map_or(0, |i| i64::from(i.width))
+    });
+    FuncRegistration::new_getter("height").set_into_module(module, |i: &mut ImageValue| {
+        i.image().map_or(0, |i| i64::from(i.height))
+    });
+}

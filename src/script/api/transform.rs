@@ -1,0 +1,160 @@
+//! The matrix stack and blocks.
+
+use rhai::Array;
+
+use super::{number, string, vec3};
+use crate::{
+    math::DVec3,
+    script::{
+        call::{Call, kind_of, number_of},
+        session::State,
+        table::{DONE, Entry, Group, Kind, Param},
+        value::Outcome,
+    },
+};
+
+pub(super) const ENTRIES: &[Entry] = &[
+    Entry::scene(Group::Transform, "pushTransform", push)
+        .doc("Saves the current matrix, until the popTransform() that belongs to it. The material is not saved; group { } saves both.")
+        .usage("pushTransform()")
+        .example("pushTransform();\ntranslate(-1, 0, 0);\nsphere(0, 0, 0, 0.8);\npopTransform();\nsphere(1, 0, 0, 0.8);")
+        .also(&["pushMatrix", "save", "push"]),
+    Entry::scene(Group::Transform, "popTransform", pop)
+        .doc("Restores the matrix that the last pushTransform() saved.")
+        .usage("popTransform()")
+        .example("pushTransform();\nscale(2);\nsphere(0, 0, 0, 0.5);\npopTransform();\nsphere(1.5, 0, 0, 0.5);")
+        .also(&["popMatrix", "restore"]),
+    Entry::scene(Group::Transform, "translate", translate)
+        .takes(&[&[vec3("v", "object units", "how far along x, y and z")]])
+        .doc("Moves what is made from now on. Multiplies the current matrix on the right, as in OpenGL: the call nearest the shape acts first.")
+        .usage("translate(1, 0, 0)")
+        .example("translate(0, 1, 0);\nsphere(0, 0, 0, 0.5);")
+        .also(&["move", "translateX", "translateY", "translateZ"]),
+    Entry::scene(Group::Transform, "rotate", rotate)
+        .takes(&[&[
+            vec3("axis", "none", "the axis, of any length but 0"),
+            number("degrees", "degrees", "right-handed: about Y, from Z to X"),
+        ]])
+        .doc("Turns what is made from now on about an axis through the origin.")
+        .usage("rotate(0, 1, 0, 45)")
+        .example("rotate(0, 1, 0, 30);\ntri([-1, 0, 0], [1, 0, 0], [0, 1, 0]);")
+        .also(&["rotateX", "rotateY", "rotateZ", "turn"]),
+    Entry::scene(Group::Transform, "scale", scale)
+        .takes(&[
+            &[vec3("v", "none", "factors along x, y and z; none may be 0")],
+            &[number("s", "none", "one factor for all axes")],
+        ])
+        .doc("Stretches what is made from now on.")
+        .usage("scale(2, 1, 1)")
+        .example("scale(2, 1, 1);\nsphere(0, 0, 0, 0.5);"),
+    Entry::scene(Group::Transform, "multMatrix", mult_matrix)
+        .takes(&[&[Param::new(
+            "matrix",
+            Kind::Array,
+            "none",
+            "16 numbers row by row; the last row must be 0, 0, 0, 1",
+        )]])
+        .doc("Multiplies the current matrix by a matrix of your own. It acts on column vectors: the last column moves.")
+        .usage("multMatrix([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1])")
+        .example("multMatrix([1, 0.5, 0, 0,\n            0, 1, 0, 0,\n            0, 0, 1, 0,\n            0, 0, 0, 1]);\nsphere(0, 0, 0, 0.8);")
+        .also(&["applyMatrix", "transform"]),
+    Entry::scene(Group::Transform, "loadIdentity", load_identity)
+        .doc("Sets the current matrix to the identity. Inside define that is the definition's own space.")
+        .usage("loadIdentity()")
+        .example("translate(5, 5, 5);\nloadIdentity();\nsphere(0, 0, 0, 1);")
+        .also(&["resetMatrix", "identity"]),
+    Entry::syntax(Group::Transform, "group")
+        .takes(&[&[Param::new("block", Kind::Block, "none", "statements, in the scope they stand in")]])
+        .doc("Saves matrix and material, runs the block, and restores both however the block is left: at its end, by break, continue, return or an error.")
+        .usage("group { translate(1, 0, 0); sphere(0, 0, 0, 1); }")
+        .example("diffuse(0.8, 0.2, 0.1);\ngroup {\n  translate(-1, 0, 0);\n  diffuse(0.1, 0.3, 0.8);\n  sphere(0, 0, 0, 0.8);\n}\nsphere(1, 0, 0, 0.8);")
+        .also(&["scope", "layer"]),
+    Entry::syntax(Group::Transform, "define")
+        .takes(&[&[
+            string("name", "what instance(name) will call it"),
+            Param::new("block", Kind::Block, "none", "statements that build the group in its own object space"),
+        ]])
+        .doc("Builds a group of shapes once, in an object space of its own. It is seen where instance(name) places it.")
+        .usage("define \"car\" { sphere(0, 0, 0, 1); }")
+        .example("define \"snowman\" {\n  sphere(0, 0.5, 0, 0.5);\n  sphere(0, 1.2, 0, 0.3);\n}\nfor i in -1..2 {\n  group { translate(i * 1.5, -0.8, 0); instance(\"snowman\"); }\n}"),
+    Entry::scene(Group::Transform, "instance", instance)
+        .takes(&[&[string("name", "as given to define")]])
+        .doc("Places a defined group under the current matrix, any number of times, also inside another define. Geometry and acceleration structure are shared.")
+        .usage("instance(\"car\")")
+        .example("define \"ball\" { sphere(0, 0, 0, 0.4); }\nfor x in -2..3 {\n  group { translate(x, 0, 0); instance(\"ball\"); }\n}")
+        .also(&["use", "place", "copy"]),
+];
+
+fn push(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    call.end()?;
+    state.builder.push_transform()?;
+    DONE
+}
+
+fn pop(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    call.end()?;
+    state.builder.pop_transform()?;
+    DONE
+}
+
+fn translate(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let by = call.vec3("v")?;
+    call.end()?;
+    state.builder.translate(by)?;
+    DONE
+}
+
+fn rotate(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let axis = call.vec3("axis")?;
+    let degrees = call.number("degrees")?;
+    call.end()?;
+    state.builder.rotate(axis, degrees)?;
+    DONE
+}
+
+fn scale(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let by = if call.len() == 1 && call.peek().and_then(number_of).is_some() {
+        DVec3::splat(call.number("s")?)
+    } else {
+        call.vec3("v")?
+    };
+    call.end()?;
+    state.builder.scale(by)?;
+    DONE
+}
+
+fn mult_matrix(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let given = call.any()?;
+    call.end()?;
+    let Some(array) = given.read_lock::<Array>() else {
+        return Err(call.wrong_kind("matrix", "an array of 16 numbers", given));
+    };
+    if array.len() != 16 {
+        return Err(call
+            .error(format!(
+                "matrix must be an array of 16 numbers, not of {}",
+                array.len()
+            ))
+            .hint("row by row, in one list: [1, 0, 0, x,  0, 1, 0, y,  0, 0, 1, z,  0, 0, 0, 1]"));
+    }
+    let mut rows = [0.0; 16];
+    for (i, (to, from)) in rows.iter_mut().zip(array.iter()).enumerate() {
+        *to = number_of(from)
+            .ok_or_else(|| call.error(format!("matrix[{i}] must be a number, not {}", kind_of(from))))?;
+    }
+    state.builder.mult_matrix(&rows)?;
+    DONE
+}
+
+fn load_identity(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    call.end()?;
+    state.builder.load_identity();
+    DONE
+}
+
+fn instance(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let name = call.string("name")?;
+    call.end()?;
+    state.builder.instance(&name)?;
+    DONE
+}

@@ -1,0 +1,290 @@
+//! The Rhai engine of a script: chosen packages, portable maths, every limit set, no way out but the host.
+
+use std::{
+    any::TypeId,
+    sync::{
+        Arc, LazyLock,
+        atomic::{AtomicU64, Ordering},
+    },
+};
+
+use rhai::{
+    AST, Dynamic, Engine, EvalAltResult, EvalContext, Expression, FuncRegistration, LexError, Module,
+    NativeCallContext, OptimizationLevel, ParseError, Position, RhaiFunc, Scope, Token,
+    packages::{
+        ArithmeticPackage, BasicArrayPackage, BasicIteratorPackage, BasicMapPackage, BasicStringPackage,
+        BitFieldPackage, LogicPackage, MoreStringPackage, Package,
+    },
+};
+
+use super::{
+    api,
+    call::Call,
+    modules::Resolver,
+    power,
+    session::{Clock, Session},
+    table::{Entry, Run, entries},
+    value::{Outcome, ScriptError},
+};
+use crate::{
+    diag::ErrorKind,
+    limits::Limits,
+    math::PI,
+    scene::{GroupMark, SceneError},
+};
+
+type EvalResult = Result<Dynamic, Box<EvalAltResult>>;
+
+/// Numbers every script knows, inside its functions too.
+const CONSTANTS: [(&str, f64); 3] = [
+    ("PI", PI),
+    ("TAU", std::f64::consts::TAU),
+    ("E", std::f64::consts::E),
+];
+
+/// Rhai names closures by a hash; with this seed the names stay the same from run to run.
+const HASHING_SEED: [u64; 4] = [0x7274, 0x7363, 0x7269, 0x7074];
+
+/// What every engine shares: Rhai's packages that touch neither clock nor thread, then ours, which comes first
+/// when a name is looked up.
+static MODULES: LazyLock<Vec<Arc<Module>>> = LazyLock::new(|| {
+    vec![
+        ArithmeticPackage::new().as_shared_module(),
+        LogicPackage::new().as_shared_module(),
+        BitFieldPackage::new().as_shared_module(),
+        BasicArrayPackage::new().as_shared_module(),
+        BasicMapPackage::new().as_shared_module(),
+        BasicIteratorPackage::new().as_shared_module(),
+        BasicStringPackage::new().as_shared_module(),
+        MoreStringPackage::new().as_shared_module(),
+        Arc::new(scene_module()),
+    ]
+});
+
+/// All functions of the table, with what belongs to our types.
+fn scene_module() -> Module {
+    let mut module = Module::new();
+    for entry in entries().filter(|e| !matches!(e.run, Run::Syntax)) {
+        for arity in entry.arities() {
+            for types in parameter_types(arity) {
+                register(&mut module, entry.name, &types, move |ctx, args| {
+                    invoke(entry, ctx, args)
+                });
+            }
+        }
+    }
+    for (name, value) in CONSTANTS {
+        module.set_var(name, value);
+    }
+    for name in power::OPERATORS.into_iter().chain(["**"]) {
+        register(&mut module, name, &[TypeId::of::<Dynamic>(); 2], |ctx, args| {
+            let pos = ctx.call_position();
+            match args {
+                [x, y] => power::power(x, y).map_err(|e| e.raise(pos)),
+                _ => Err(internal("** without two operands").raise(pos)),
+            }
+        });
+    }
+    api::extend(&mut module);
+    module.build_index();
+    module
+}
+
+/// The parameter types under which a function of `arity` parameters is registered: `Dynamic`, which is looked
+/// up for at most 16 parameters; those beyond are ints or floats.
+fn parameter_types(arity: usize) -> Vec<Vec<TypeId>> {
+    const MOST_DYNAMIC: usize = 16;
+    let dynamic = vec![TypeId::of::<Dynamic>(); arity.min(MOST_DYNAMIC)];
+    (MOST_DYNAMIC..arity).fold(vec![dynamic], |lists, _| {
+        let number = [TypeId::of::<i64>(), TypeId::of::<f64>()];
+        lists
+            .iter()
+            .flat_map(|list| number.map(|n| list.iter().copied().chain([n]).collect()))
+            .collect()
+    })
+}
+
+/// Registers a function that is never folded at compile time and may be given constants.
+pub(super) fn register(
+    module: &mut Module,
+    name: &str,
+    types: &[TypeId],
+    run: impl Fn(&NativeCallContext<'_>, &mut [&mut Dynamic]) -> EvalResult + Send + Sync + 'static,
+) {
+    FuncRegistration::new(name)
+        .in_global_namespace()
+        .set_into_module_raw(
+            module,
+            types,
+            RhaiFunc::Method {
+                func: Arc::new(
+                    move |ctx: Option<NativeCallContext<'_>>, args: &mut [&mut Dynamic]| match ctx {
+                        Some(ctx) => run(&ctx, args),
+                        None => Err(internal("a call without a context").raise(Position::NONE)),
+                    },
+                ),
+                has_context: true,
+                is_pure: true,
+                is_volatile: true,
+            },
+        );
+}
+
+/// Calls a function of the table.
+fn invoke(entry: &'static Entry, ctx: &NativeCallContext<'_>, args: &mut [&mut Dynamic]) -> EvalResult {
+    let mut call = Call::new(entry, args);
+    let result = match entry.run {
+        Run::Pure(run) => run(&mut call),
+        Run::Scene(run) => match ctx.tag().and_then(|tag| tag.read_lock::<Session>()) {
+            Some(session) => {
+                let mut state = session.state();
+                state.at(ctx.call_source(), ctx.call_position());
+                run(&mut call, &mut state)
+            }
+            None => Err(internal("a scene function outside a run")),
+        },
+        Run::Syntax => Err(internal("a block called as a function")),
+    };
+    result.map_err(|e| e.raise_in(ctx.call_source(), ctx.call_position()))
+}
+
+#[cold]
+fn internal(what: &str) -> Box<ScriptError> {
+    ScriptError::of_kind(ErrorKind::Internal, what)
+}
+
+/// An engine that reads scripts.
+pub(super) fn compiler(limits: &Limits) -> Result<Engine, Box<ScriptError>> {
+    // An embedder that runs Rhai of its own may have set it before; closures then bear other names, which no
+    // script can see (see `api::functions`).
+    let _ = rhai::config::hashing::set_hashing_seed(Some(HASHING_SEED));
+    let mut engine = Engine::new_raw();
+    for module in MODULES.iter() {
+        engine.register_global_module(Arc::clone(module));
+    }
+    engine
+        .set_optimization_level(OptimizationLevel::None)
+        .set_strict_variables(true)
+        .set_fail_on_invalid_map_property(true)
+        .set_fast_operators(true)
+        .set_max_operations(limits.operations)
+        .set_max_call_levels(limits.call_levels)
+        .set_max_expr_depths(limits.expression_depth, limits.expression_depth)
+        .set_max_string_size(limits.string_bytes)
+        .set_max_array_size(limits.array_len)
+        .set_max_map_size(limits.map_len)
+        .set_max_variables(limits.variables)
+        .set_max_functions(limits.functions)
+        .set_max_modules(limits.files);
+    // `eval` can hide anything from the reader, and `curry` builds chains that no limit counts.
+    engine.disable_symbol("eval").disable_symbol("curry");
+    blocks(&mut engine).map_err(|e| internal(&e))?;
+    power::declare(&mut engine).map_err(|e| internal(&e))?;
+    read_tokens(&mut engine, limits);
+    Ok(engine)
+}
+
+/// Lets `**` be ours, and ends the reading of a script that takes too long: the parser asks nobody else.
+fn read_tokens(engine: &mut Engine, limits: &Limits) {
+    let chains = power::Chains::default();
+    let clock = Clock::start();
+    let limit = limits.script_time;
+    let count = AtomicU64::new(0);
+    #[allow(
+        deprecated,
+        reason = "marked so by Rhai because it may change; the version is pinned"
+    )]
+    engine.on_parse_token(move |token, _, _| {
+        if count.fetch_add(1, Ordering::Relaxed) % 256 == 255 && clock.elapsed() > limit {
+            return Token::LexError(Box::new(LexError::Runtime(format!(
+                "reading the script takes too long: the limit 'script_time' is {limit:?}"
+            ))));
+        }
+        chains.map(token)
+    });
+}
+
+/// Reads a script. Every call has an engine of its own, because the reader of tokens has a memory.
+pub(super) fn compile(source: &str, limits: &Limits) -> Result<Result<AST, ParseError>, Box<ScriptError>> {
+    let engine = compiler(limits)?;
+    let mut scope = Scope::new();
+    for (name, value) in CONSTANTS {
+        scope.push_constant(name, value);
+    }
+    Ok(engine.compile_with_scope(&scope, source))
+}
+
+/// An engine that runs scripts on `session`.
+pub(super) fn runner(session: &Session, limits: &Limits) -> Result<Engine, Box<ScriptError>> {
+    let mut engine = compiler(limits)?;
+    engine.set_default_tag(Dynamic::from(session.clone()));
+    engine.set_module_resolver(Resolver::new(session.clone()));
+    engine.on_progress(session.watch());
+    let out = session.clone();
+    engine.on_print(move |text| out.print(text));
+    let out = session.clone();
+    engine.on_debug(move |text, source, pos| {
+        let (line, column) = (pos.line().unwrap_or(0), pos.position().unwrap_or(0));
+        out.print(&format!("{}:{line}:{column}: {text}", source.unwrap_or("")));
+    });
+    Ok(engine)
+}
+
+/// `group { }` and `define "name" { }`.
+fn blocks(engine: &mut Engine) -> Result<(), String> {
+    engine
+        .register_custom_syntax(["group", "$block$"], false, group)
+        .and_then(|engine| engine.register_custom_syntax(["define", "$expr$", "$block$"], false, define))
+        .map(|_| ())
+        .map_err(|e| e.to_string())
+}
+
+fn group(ctx: &mut EvalContext<'_, '_, '_, '_, '_, '_>, inputs: &[Expression<'_>]) -> EvalResult {
+    let [block] = inputs else {
+        return Err(internal("group without a block").raise(Position::NONE));
+    };
+    let (session, mark) = begin(ctx, block.position(), |state| state.begin_group())?;
+    let result = ctx.eval_expression_tree(block);
+    session.state().builder.end_group(mark);
+    result
+}
+
+fn define(ctx: &mut EvalContext<'_, '_, '_, '_, '_, '_>, inputs: &[Expression<'_>]) -> EvalResult {
+    let [name, block] = inputs else {
+        return Err(internal("define without a name and a block").raise(Position::NONE));
+    };
+    let pos = name.position();
+    let name = ctx.eval_expression_tree(name)?;
+    let name = name.into_immutable_string().map_err(|kind| {
+        ScriptError::new(format!(
+            "define: the name must be a string, not {}",
+            super::call::kind_name(kind)
+        ))
+        .hint("for example define \"car\" { box(2, 1, 4); }")
+        .raise(pos)
+    })?;
+    let (session, mark) = begin(ctx, pos, |state| state.begin_define(&name))?;
+    let result = ctx.eval_expression_tree(block);
+    // Left by break, continue or return, what is built so far is the group; left by an error, it is none.
+    let keep = result.as_ref().err().is_none_or(|e| e.is_pseudo_error());
+    session.state().builder.end_define(mark, keep);
+    result
+}
+
+fn begin(
+    ctx: &EvalContext<'_, '_, '_, '_, '_, '_>,
+    pos: Position,
+    begin: impl FnOnce(&mut crate::scene::Builder) -> Result<GroupMark, SceneError>,
+) -> Result<(Session, GroupMark), Box<EvalAltResult>> {
+    let Some(session) = ctx.tag().read_lock::<Session>().map(|s| s.clone()) else {
+        return Err(internal("a block outside a run").raise(pos));
+    };
+    let mut state = session.state();
+    state.at(ctx.source(), pos);
+    let mark: Outcome<GroupMark> = begin(&mut state.builder).map_err(Into::into);
+    drop(state);
+    match mark {
+        Ok(mark) => Ok((session, mark)),
+        Err(e) => Err(e.raise_in(ctx.source(), pos)),
+    }
+}

@@ -1,0 +1,281 @@
+//! Scene scripts: Rhai with the scene's functions, one table for all of them.
+//!
+//! [`Script::compile`] reads a script, [`Script::run`] runs it and hands over the scene it built and the
+//! pictures it rendered. A script reaches nothing but the [`Host`] it is given, stays within its [`Limits`],
+//! and depends on no clock, no thread and no machine.
+
+mod api;
+mod call;
+mod engine;
+mod errors;
+mod link;
+mod modules;
+mod names;
+mod power;
+mod session;
+mod table;
+mod value;
+
+pub use table::{Entry, Group, Kind, Param, entries, entry};
+
+use std::{
+    any::Any,
+    panic::{AssertUnwindSafe, catch_unwind},
+    sync::Arc,
+    thread,
+};
+
+use rhai::{AST, EvalAltResult, Scope};
+
+use crate::{
+    diag::{Diagnostic, Error, ErrorKind, Report},
+    host::Host,
+    limits::Limits,
+    render::{Image, RenderOptions, RenderStats},
+    scene::Scene,
+};
+use link::{Remote, StopOnDrop, serve};
+use session::{Session, Source, State};
+use value::ScriptError;
+
+/// Stack of the script's thread. Rhai walks its syntax tree by recursion, and drops chains of closures so.
+const STACK_BYTES: usize = 256 << 20;
+
+/// A script that has been read and can be run any number of times.
+#[derive(Clone, Debug)]
+pub struct Script {
+    source: Source,
+    ast: AST,
+    limits: Limits,
+}
+
+/// What the caller decides instead of the script. Where it is `None`, the script's own calls count.
+#[derive(Clone, Debug, Default)]
+#[non_exhaustive]
+pub struct RunOptions {
+    /// Picture size in pixels; `size(width, height)` then does nothing.
+    pub size: Option<(u32, u32)>,
+    /// Rays per pixel; `samples(n)` then does nothing.
+    pub samples: Option<u32>,
+    /// Seed; `seed(n)` then does nothing.
+    pub seed: Option<u64>,
+    /// How `render()` renders.
+    pub render: RenderOptions,
+}
+
+/// What a script leaves behind.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Run {
+    /// The scene as it stands at the end.
+    pub scene: Scene,
+    /// What its `render()` calls made, in order. Empty where it never calls it: render [`Run::scene`] then.
+    pub pictures: Vec<Picture>,
+}
+
+/// A picture that a script rendered.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Picture {
+    /// The name it was written under, if any.
+    pub name: Option<String>,
+    /// The picture.
+    pub image: Image,
+    /// What rendering it took.
+    pub stats: RenderStats,
+}
+
+impl Script {
+    /// Reads a script. `name` is the file as its reader knows it, for messages; the files that the script
+    /// names are looked up relative to the host's root.
+    ///
+    /// # Errors
+    /// `Script` where it is malformed, with line and column; `Limit` where it is too large.
+    pub fn compile(name: &str, source: &str, limits: &Limits) -> Result<Self, Error> {
+        let too_large = source.len() > limits.source_bytes;
+        let source = Source {
+            name: name.to_owned(),
+            host_path: String::new(),
+            text: source.into(),
+        };
+        if too_large {
+            let message = format!(
+                "the script of {} bytes is too large: the limit 'source_bytes' is {}",
+                source.text.len(),
+                limits.source_bytes
+            );
+            return Err(Diagnostic::error(ErrorKind::Limit, message).at(name, 0, 0).into());
+        }
+        let compiled = on_deep_stack(|| engine::compile(&source.text, limits))
+            .map_err(|what| internal(name, &what))?
+            .map_err(|e| internal(name, &e.message))?;
+        match compiled {
+            Ok(mut ast) => {
+                ast.set_source(name);
+                Ok(Self {
+                    source,
+                    ast,
+                    limits: limits.clone(),
+                })
+            }
+            Err(e) => {
+                let context = errors::Context {
+                    sources: std::slice::from_ref(&source),
+                    limits,
+                    ast: None,
+                };
+                Err(errors::of_parse(&e, name, &context).into())
+            }
+        }
+    }
+
+    /// The name the script was read under.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.source.name
+    }
+
+    /// Runs the script on a thread of its own. Everything it asks of `host` is done on the calling thread, and
+    /// so is rendering, in the rayon pool the call is made in.
+    ///
+    /// # Errors
+    /// Whatever ends the script early, with its place and the calls that led there: [`Error::kind`] tells the
+    /// script's own fault from a limit, a missing file, a refusal of the host or its wish to stop.
+    pub fn run(&self, host: &dyn Host, options: &RunOptions) -> Result<Report<Run>, Error> {
+        let (remote, incoming) = Remote::pair();
+        let stop = remote.stop_flag();
+        thread::scope(|scope| {
+            let guard = StopOnDrop(Arc::clone(&stop));
+            let script = thread::Builder::new()
+                .name("rtscript script".to_owned())
+                .stack_size(STACK_BYTES)
+                .spawn_scoped(scope, move || {
+                    catch_unwind(AssertUnwindSafe(|| self.evaluate(remote, options)))
+                })
+                .map_err(|e| internal(self.name(), &format!("cannot start the script's thread: {e}")))?;
+            serve(&incoming, host, &options.render, &stop);
+            drop((guard, incoming));
+            match script.join() {
+                Ok(Ok(result)) => result,
+                Ok(Err(panic)) | Err(panic) => Err(internal(self.name(), &panic_text(&*panic))),
+            }
+        })
+    }
+
+    /// Runs the script on the current thread.
+    fn evaluate(&self, remote: Remote, options: &RunOptions) -> Result<Report<Run>, Error> {
+        let mut state = State::new(self.source.clone(), &self.limits, options, remote);
+        if let Err(e) = preset(&mut state) {
+            let mut d = Diagnostic::error(e.kind, e.message);
+            d.hints = e.hints;
+            return Err(d.into());
+        }
+        let session = Session::new(state);
+        let engine = engine::runner(&session, &self.limits).map_err(|e| internal(self.name(), &e.message))?;
+        let mut scope = Scope::new();
+        let result = engine.run_ast_with_scope(&mut scope, &self.ast);
+        // Values of the script go before its thread does: only here is the stack deep enough for any of them.
+        drop((scope, engine));
+        self.finish(&session, result)
+    }
+
+    fn finish(
+        &self,
+        session: &Session,
+        result: Result<(), Box<EvalAltResult>>,
+    ) -> Result<Report<Run>, Error> {
+        let mut state = session.state();
+        let sources = std::mem::take(&mut state.sources);
+        let builder = std::mem::take(&mut state.builder);
+        let mut warnings = std::mem::take(&mut state.warnings);
+        let report = builder.finish();
+        let failed = result.err().map(|e| {
+            errors::of_run(
+                &e,
+                &errors::Context {
+                    sources: &sources,
+                    limits: &self.limits,
+                    ast: Some(&self.ast),
+                },
+            )
+        });
+        // What looks wrong about a scene that was never finished says nothing.
+        if failed.is_none() {
+            warnings.extend(report.warnings);
+        }
+        for warning in &mut warnings {
+            let source = sources.iter().find(|s| Some(&*s.name) == warning.file.as_deref());
+            if let Some(source) = source {
+                *warning = warning.clone().with_source(&source.text);
+            }
+        }
+        match failed {
+            Some(diagnostic) => Err(Error {
+                diagnostic: Box::new(diagnostic),
+                warnings,
+            }),
+            None => Ok(Report {
+                value: Run {
+                    scene: report.value,
+                    pictures: std::mem::take(&mut state.pictures),
+                },
+                warnings,
+            }),
+        }
+    }
+}
+
+/// Puts the caller's decisions in place.
+fn preset(state: &mut State) -> Result<(), Box<ScriptError>> {
+    if let Some((width, height)) = state.size {
+        state.builder.size(width, height)?;
+    }
+    if let Some(n) = state.samples {
+        state.builder.samples(n)?;
+    }
+    if let Some(seed) = state.seed {
+        state.builder.seed(seed);
+    }
+    Ok(())
+}
+
+/// Runs `f` on a thread with a deep stack; without threads (wasm32-unknown-unknown), on this one.
+fn on_deep_stack<T: Send>(f: impl FnOnce() -> T + Send) -> Result<T, String> {
+    let guarded = || catch_unwind(AssertUnwindSafe(f));
+    let result = if cfg!(target_family = "wasm") {
+        guarded()
+    } else {
+        thread::scope(|scope| {
+            let spawned = thread::Builder::new()
+                .name("rtscript reader".to_owned())
+                .stack_size(STACK_BYTES)
+                .spawn_scoped(scope, guarded)
+                .map_err(|e| format!("cannot start the script's thread: {e}"))?;
+            Ok::<_, String>(match spawned.join() {
+                Ok(result) => result,
+                Err(panic) => Err(panic),
+            })
+        })?
+    };
+    result.map_err(|panic| panic_text(&*panic))
+}
+
+fn panic_text(panic: &(dyn Any + Send)) -> String {
+    let text = panic
+        .downcast_ref::<&str>()
+        .copied()
+        .or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+    format!("a fault of rtscript's own: {}", text.unwrap_or("no details"))
+}
+
+fn internal(name: &str, what: &str) -> Error {
+    Diagnostic::error(ErrorKind::Internal, what)
+        .at(name, 0, 0)
+        .hint("please report this, with the script")
+        .into()
+}
+
+const _: fn() = || {
+    fn is_send_sync<T: Send + Sync>() {}
+    is_send_sync::<Script>();
+};

@@ -1,0 +1,269 @@
+//! "Did you mean": what names there are, and which of them is near.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rhai::{AST, Engine, Position, Token};
+
+use super::{
+    call::{kind_name, wrong_count},
+    engine,
+    table::{entries, entry},
+};
+use crate::{
+    diag::{Diagnostic, ErrorKind, nearest_names},
+    limits::Limits,
+};
+
+/// Names known without a declaration.
+const CONSTANTS: [&str; 3] = ["PI", "TAU", "E"];
+
+/// True for the names Rhai gives to closures.
+pub(super) fn is_closure(name: &str) -> bool {
+    name.starts_with("anon$")
+}
+
+/// A getter or setter as its property, an operator in quotes, a function with brackets.
+pub(super) fn plain(name: &str) -> String {
+    match name.split_once('$') {
+        Some(("get" | "set", property)) => format!("its property {property}"),
+        Some(("index", _)) => "an index".to_owned(),
+        _ => format!("{name}()"),
+    }
+}
+
+/// The functions a script can call.
+pub(super) struct Names {
+    /// Of the script: parameters by name.
+    own: BTreeMap<String, Vec<Vec<String>>>,
+}
+
+impl Names {
+    pub(super) fn of(ast: Option<&AST>) -> Self {
+        let mut own: BTreeMap<String, Vec<Vec<String>>> = BTreeMap::new();
+        for f in ast.into_iter().flat_map(AST::iter_functions) {
+            if !is_closure(f.name) {
+                let params = f.params.iter().map(|p| (*p).to_owned()).collect();
+                own.entry(f.name.to_owned()).or_default().push(params);
+            }
+        }
+        Self { own }
+    }
+
+    /// Rhai's "sphere (i64, i64)" explained.
+    pub(super) fn unknown_function(&self, signature: &str) -> Diagnostic {
+        let (name, types) = signature.split_once(" (").unwrap_or((signature, ""));
+        let types = types.strip_suffix(')').unwrap_or(types);
+        let given: Vec<&str> = types.split(", ").filter(|t| !t.is_empty()).collect();
+        if let Some(entry) = entry(name) {
+            let e = wrong_count(entry, given.len());
+            let mut d = error(e.message);
+            d.hints = e.hints;
+            return d;
+        }
+        if let Some(forms) = self.own.get(name) {
+            let forms: Vec<String> = forms.iter().map(|p| format!("({})", p.join(", "))).collect();
+            let plural = if given.len() == 1 { "" } else { "s" };
+            return error(format!(
+                "{name} takes {}, not {} argument{plural}",
+                forms.join(" or "),
+                given.len()
+            ));
+        }
+        let kinds: Vec<String> = given.iter().map(|t| kind_name(t)).collect();
+        if !name.starts_with(|c: char| c.is_alphabetic() || c == '_') {
+            return operator(name, &kinds);
+        }
+        let (namespace, function) = match name.rsplit_once("::") {
+            Some((namespace, function)) => (Some(namespace), function),
+            None => (None, name),
+        };
+        if let Some(namespace) = namespace {
+            return error(format!(
+                "the module {namespace} has no function {function} for {} arguments",
+                given.len()
+            ));
+        }
+        if builtins().contains(name) {
+            let d = error(match kinds.as_slice() {
+                [] => format!("{name}() needs arguments"),
+                kinds => format!("{name} cannot be called with {}", list(kinds)),
+            });
+            return d;
+        }
+        let d = error(format!("unknown function {name}"));
+        match self.near(name).as_slice() {
+            [] => d,
+            near => d.hint(format!("did you mean {}?", near.join(" or "))),
+        }
+    }
+
+    /// Functions that a misspelt or foreign name may stand for.
+    fn near(&self, name: &str) -> Vec<String> {
+        let folded = name.to_lowercase();
+        let foreign = entries().filter(|e| e.also.iter().any(|a| a.to_lowercase() == folded));
+        let mut near: Vec<String> = foreign.map(|e| e.name.to_owned()).collect();
+        let all = builtins();
+        let known = entries()
+            .map(|e| e.name)
+            .chain(self.own.keys().map(String::as_str))
+            .chain(all.iter().map(String::as_str));
+        // The best is enough where it is much better than the rest: the list is sorted by distance.
+        for n in nearest_names(name, known).into_iter().take(1) {
+            if !near.iter().any(|k| k == n) {
+                near.push(n.to_owned());
+            }
+        }
+        near
+    }
+}
+
+fn error(message: impl Into<String>) -> Diagnostic {
+    Diagnostic::error(ErrorKind::Script, message)
+}
+
+fn list(kinds: &[String]) -> String {
+    kinds.join(" and ")
+}
+
+/// An operator whose operands do not fit.
+fn operator(symbol: &str, kinds: &[String]) -> Diagnostic {
+    if let Some(("get" | "set", property)) = symbol.split_once('$') {
+        return error(format!("no property {property} of {}", list(kinds)));
+    }
+    let d = error(match kinds {
+        [one] => format!("'{symbol}' does not work on {one}"),
+        _ => format!("'{symbol}' does not work between {}", list(kinds)),
+    });
+    if kinds.iter().any(|k| k == "an array") && matches!(symbol, "+" | "-" | "*" | "/") {
+        return d.hint("an array does not calculate; vec3(x, y, z) does");
+    }
+    if kinds.iter().any(|k| k == "nothing") {
+        return d
+            .hint("a function without a result gives nothing, and so does a statement that ends with ';'");
+    }
+    d
+}
+
+/// Names of Rhai's own functions.
+fn builtins() -> BTreeSet<String> {
+    let Ok(engine) = engine::compiler(&Limits::default()) else {
+        return BTreeSet::new();
+    };
+    engine
+        .collect_fn_metadata(None, |f| Some(f.metadata.name.to_string()), true)
+        .into_iter()
+        .filter(|name| name.starts_with(char::is_alphabetic) && !name.contains('$'))
+        .chain(["print", "debug", "type_of", "call", "Fn"].map(str::to_owned))
+        .collect()
+}
+
+/// A name that stands for no variable.
+pub(super) fn unknown_variable(name: &str, pos: Position, text: &str) -> Diagnostic {
+    let d = error(format!("unknown variable {name}"));
+    if let Some(entry) = entry(name) {
+        return d.hint(format!("{name} is a function: write {}", entry.usage));
+    }
+    if line_before(text, pos).trim_end().ends_with("define") {
+        return d.hint(format!(
+            "the name of a define is a string: define \"{name}\" {{ ... }}"
+        ));
+    }
+    let declared = Declared::of(text);
+    if let Some(function) = declared.function_at(pos)
+        && declared.outside.contains(name)
+    {
+        return d.hint(format!(
+            "a function does not see the variables outside it: give {name} to {function} as a parameter, or declare it const and write global::{name}"
+        ));
+    }
+    let known = declared.all.iter().map(String::as_str).chain(CONSTANTS);
+    if let Some(near) = nearest_names(name, known.filter(|n| *n != name)).first() {
+        return d.hint(format!("did you mean {near}?"));
+    }
+    let functions = entries().map(|e| e.name);
+    if let Some(near) = nearest_names(name, functions).first()
+        && let Some(entry) = entry(near)
+    {
+        return d.hint(format!("did you mean the function {}?", entry.usage));
+    }
+    if declared.all.contains(name) {
+        return d.hint(format!("{name} is declared elsewhere, but it is not known here"));
+    }
+    d.hint(format!("declare it first: let {name} = ...;"))
+}
+
+/// The text of the line before `pos`.
+fn line_before(text: &str, pos: Position) -> &str {
+    let line = text.lines().nth(pos.line().unwrap_or(1) - 1).unwrap_or("");
+    let end = line
+        .char_indices()
+        .nth(pos.position().unwrap_or(1).saturating_sub(1))
+        .map_or(line.len(), |(i, _)| i);
+    &line[..end]
+}
+
+/// What a text declares, found by looking over its tokens: good enough for a hint.
+#[derive(Default)]
+struct Declared {
+    /// Every name declared anywhere.
+    all: BTreeSet<String>,
+    /// Names declared outside functions.
+    outside: BTreeSet<String>,
+    /// Functions with the places where their bodies begin and end.
+    functions: Vec<(String, Position, Position)>,
+}
+
+impl Declared {
+    fn of(text: &str) -> Self {
+        let engine = Engine::new_raw();
+        let scripts = [text];
+        let (tokens, _) = engine.lex(&scripts);
+        let mut found = Self::default();
+        let mut depth = 0usize;
+        // The function being read: its name, where its body begins, the depth around it.
+        let mut function: Option<(String, Option<Position>, usize)> = None;
+        let mut previous = Token::EOF;
+        for (token, pos) in tokens.take_while(|(t, _)| !matches!(t, Token::EOF | Token::LexError(_))) {
+            match &token {
+                Token::Identifier(name) => {
+                    let declares = matches!(previous, Token::Let | Token::Const | Token::For | Token::As);
+                    let in_header =
+                        matches!(&function, Some((_, None, _))) || matches!(previous, Token::Pipe);
+                    if matches!(previous, Token::Fn) {
+                        function = Some((name.to_string(), None, depth));
+                    } else if declares || in_header {
+                        found.all.insert(name.to_string());
+                        if function.is_none() {
+                            found.outside.insert(name.to_string());
+                        }
+                    }
+                }
+                Token::LeftBrace | Token::MapStart => {
+                    if let Some((_, begin @ None, _)) = &mut function {
+                        *begin = Some(pos);
+                    }
+                    depth += 1;
+                }
+                Token::RightBrace => {
+                    depth = depth.saturating_sub(1);
+                    if let Some((name, Some(begin), outer)) = &function
+                        && *outer == depth
+                    {
+                        found.functions.push((name.clone(), *begin, pos));
+                        function = None;
+                    }
+                }
+                _ => {}
+            }
+            previous = token;
+        }
+        found
+    }
+
+    fn function_at(&self, pos: Position) -> Option<&str> {
+        self.functions
+            .iter()
+            .find(|(_, begin, end)| *begin < pos && pos < *end)
+            .map(|(name, ..)| name.as_str())
+    }
+}

@@ -1,0 +1,274 @@
+//! One table for the language: every function a script can call is one [`Entry`].
+//!
+//! From it come the registration on the engine, the "did you mean" of error messages, and the reference.
+
+use std::sync::LazyLock;
+
+use rhai::Dynamic;
+
+use super::{api, call::Call, session::State, value::Outcome};
+
+/// Where the reference lists an entry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Group {
+    /// Size, samples, background, camera.
+    Camera,
+    /// The matrix stack and blocks.
+    Transform,
+    /// Shapes and meshes.
+    Shapes,
+    /// The material state and textures.
+    Materials,
+    /// Lights.
+    Lights,
+    /// Pictures: rendering and reading.
+    Output,
+    /// Vectors.
+    Vectors,
+    /// Numbers.
+    Maths,
+    /// Random numbers.
+    Random,
+}
+
+/// What a parameter takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// An int or a float.
+    Number,
+    /// A whole number.
+    Int,
+    /// `[x, y, z]`, a `vec3`, or three numbers in its place.
+    Vec3,
+    /// A vector in scene-linear RGB, three numbers in its place, or `"#rrggbb"`.
+    Color,
+    /// A color or a texture.
+    Term,
+    /// A number or a vector.
+    NumberOrVec3,
+    /// A string.
+    String,
+    /// An array.
+    Array,
+    /// `#{ }` with known keys.
+    Map,
+    /// A picture.
+    Image,
+    /// A block of statements.
+    Block,
+}
+
+impl Kind {
+    /// True where three numbers may stand in its place.
+    #[must_use]
+    pub const fn spreads(self) -> bool {
+        matches!(self, Self::Vec3 | Self::Color | Self::Term)
+    }
+
+    /// As the reference and editors name it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Number => "number",
+            Self::Int => "int",
+            Self::Vec3 => "vec3",
+            Self::Color => "color",
+            Self::Term => "color | texture",
+            Self::NumberOrVec3 => "number | vec3",
+            Self::String => "string",
+            Self::Array => "array",
+            Self::Map => "map",
+            Self::Image => "image",
+            Self::Block => "block",
+        }
+    }
+}
+
+/// A parameter.
+#[derive(Clone, Copy, Debug)]
+pub struct Param {
+    /// Its name, as messages use it.
+    pub name: &'static str,
+    /// What it takes.
+    pub kind: Kind,
+    /// Its unit, or "none".
+    pub unit: &'static str,
+    /// What it is where it is left out, if it may be.
+    pub default: Option<&'static str>,
+    /// What it means.
+    pub doc: &'static str,
+}
+
+impl Param {
+    pub(super) const fn new(name: &'static str, kind: Kind, unit: &'static str, doc: &'static str) -> Self {
+        Self {
+            name,
+            kind,
+            unit,
+            default: None,
+            doc,
+        }
+    }
+
+    pub(super) const fn or(mut self, default: &'static str) -> Self {
+        self.default = Some(default);
+        self
+    }
+}
+
+/// What an entry does when it is called.
+#[derive(Clone, Copy)]
+pub(super) enum Run {
+    /// Works on the scene.
+    Scene(fn(&mut Call<'_, '_>, &mut State) -> Outcome),
+    /// Depends on its arguments alone.
+    Pure(fn(&mut Call<'_, '_>) -> Outcome),
+    /// A block, known to the parser.
+    Syntax,
+}
+
+/// One function of the language.
+#[derive(Clone, Copy)]
+pub struct Entry {
+    /// What a script writes.
+    pub name: &'static str,
+    /// Where the reference lists it.
+    pub group: Group,
+    /// Its forms, each a list of parameters.
+    pub forms: &'static [&'static [Param]],
+    /// What it returns; "nothing" where that is `()`.
+    pub returns: &'static str,
+    /// What it does.
+    pub doc: &'static str,
+    /// A call, for hints.
+    pub usage: &'static str,
+    /// A complete script.
+    pub example: &'static str,
+    /// What other systems call it; only for hints.
+    pub also: &'static [&'static str],
+    pub(super) run: Run,
+}
+
+impl Entry {
+    const fn new(group: Group, name: &'static str, run: Run) -> Self {
+        Self {
+            name,
+            group,
+            forms: &[&[]],
+            returns: "nothing",
+            doc: "",
+            usage: "",
+            example: "",
+            also: &[],
+            run,
+        }
+    }
+
+    pub(super) const fn scene(
+        group: Group,
+        name: &'static str,
+        run: fn(&mut Call<'_, '_>, &mut State) -> Outcome,
+    ) -> Self {
+        Self::new(group, name, Run::Scene(run))
+    }
+
+    pub(super) const fn pure(
+        group: Group,
+        name: &'static str,
+        run: fn(&mut Call<'_, '_>) -> Outcome,
+    ) -> Self {
+        Self::new(group, name, Run::Pure(run))
+    }
+
+    pub(super) const fn syntax(group: Group, name: &'static str) -> Self {
+        Self::new(group, name, Run::Syntax)
+    }
+
+    pub(super) const fn takes(mut self, forms: &'static [&'static [Param]]) -> Self {
+        self.forms = forms;
+        self
+    }
+
+    pub(super) const fn returns(mut self, what: &'static str) -> Self {
+        self.returns = what;
+        self
+    }
+
+    pub(super) const fn doc(mut self, doc: &'static str) -> Self {
+        self.doc = doc;
+        self
+    }
+
+    pub(super) const fn usage(mut self, usage: &'static str) -> Self {
+        self.usage = usage;
+        self
+    }
+
+    pub(super) const fn example(mut self, example: &'static str) -> Self {
+        self.example = example;
+        self
+    }
+
+    pub(super) const fn also(mut self, names: &'static [&'static str]) -> Self {
+        self.also = names;
+        self
+    }
+
+    /// `(center, radius)`, or several such lists joined by "or".
+    #[must_use]
+    pub fn signature(&self) -> String {
+        let forms: Vec<String> = self
+            .forms
+            .iter()
+            .map(|params| {
+                let names: Vec<&str> = params.iter().map(|p| p.name).collect();
+                format!("({})", names.join(", "))
+            })
+            .collect();
+        forms.join(" or ")
+    }
+
+    /// How many arguments it may be given, in ascending order: a vector counts for one or for three.
+    #[must_use]
+    pub fn arities(&self) -> Vec<usize> {
+        let mut all = 0u64;
+        for params in self.forms {
+            let mut reached = 1u64;
+            for param in *params {
+                if param.default.is_some() {
+                    all |= reached;
+                }
+                reached = if param.kind.spreads() {
+                    reached << 1 | reached << 3
+                } else {
+                    reached << 1
+                };
+            }
+            all |= reached;
+        }
+        (0..64).filter(|n| all >> n & 1 == 1).collect()
+    }
+}
+
+impl std::fmt::Debug for Entry {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}{}", self.name, self.signature())
+    }
+}
+
+/// Every function of the language, in the order of the reference.
+#[must_use]
+pub fn entries() -> impl Iterator<Item = &'static Entry> {
+    api::ALL.iter().flat_map(|list| list.iter())
+}
+
+/// The entry called `name`.
+#[must_use]
+pub fn entry(name: &str) -> Option<&'static Entry> {
+    static BY_NAME: LazyLock<std::collections::BTreeMap<&'static str, &'static Entry>> =
+        LazyLock::new(|| entries().map(|e| (e.name, e)).collect());
+    BY_NAME.get(name).copied()
+}
+
+/// The result of a function that returns nothing.
+pub(super) const DONE: Outcome = Ok(Dynamic::UNIT);

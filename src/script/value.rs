@@ -1,0 +1,159 @@
+//! Values of the script that Rhai does not have: textures, and the error a scene function raises.
+
+use std::{fmt, sync::Arc};
+
+use rhai::{Dynamic, EvalAltResult, Position};
+
+use crate::{
+    color::Color,
+    diag::{Diagnostic, ErrorKind},
+    host::HostError,
+    scene::{ImageTexture, SceneError, Texture},
+};
+
+/// A picture in a script: what `image("x.png")` and `render()` return.
+#[derive(Clone, Debug)]
+pub(crate) struct ImageValue(Arc<Texture>);
+
+impl ImageValue {
+    pub(crate) fn new(image: ImageTexture) -> Self {
+        Self(Arc::new(Texture::Image(image)))
+    }
+
+    /// The picture, where `texture` is one.
+    pub(crate) fn of(texture: &Arc<Texture>) -> Option<Self> {
+        matches!(**texture, Texture::Image(_)).then(|| Self(Arc::clone(texture)))
+    }
+
+    pub(crate) fn texture(&self) -> &Arc<Texture> {
+        &self.0
+    }
+
+    pub(crate) fn image(&self) -> Option<&ImageTexture> {
+        match &*self.0 {
+            Texture::Image(image) => Some(image),
+            Texture::Checker { .. } => None,
+        }
+    }
+}
+
+impl fmt::Display for ImageValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.image() {
+            Some(i) => write!(f, "image({} x {})", i.width, i.height),
+            None => write!(f, "image"),
+        }
+    }
+}
+
+/// A texture in a script, times a color: what `checker(...)` and `image * 0.5` return.
+#[derive(Clone, Debug)]
+pub(crate) struct TextureValue {
+    pub(crate) texture: Arc<Texture>,
+    pub(crate) tint: Color,
+}
+
+impl fmt::Display for TextureValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &*self.texture {
+            Texture::Image(i) => write!(f, "texture({} x {})", i.width, i.height),
+            Texture::Checker { size, .. } => write!(f, "texture(checker, {size})"),
+        }
+    }
+}
+
+/// What a scene function has to say against its arguments, without a place: the engine knows it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ScriptError {
+    pub(crate) kind: ErrorKind,
+    pub(crate) message: String,
+    pub(crate) hints: Vec<String>,
+    /// Where it was raised, once it was: Rhai forgets the place of what ends a run inside a function.
+    pub(crate) place: Option<(Option<String>, Position)>,
+}
+
+/// The result of a scene function.
+pub(crate) type Outcome<T = Dynamic> = Result<T, Box<ScriptError>>;
+
+impl ScriptError {
+    #[cold]
+    pub(crate) fn new(message: impl Into<String>) -> Box<Self> {
+        Self::of_kind(ErrorKind::Script, message)
+    }
+
+    #[cold]
+    pub(crate) fn of_kind(kind: ErrorKind, message: impl Into<String>) -> Box<Self> {
+        Box::new(Self {
+            kind,
+            message: message.into(),
+            hints: Vec::new(),
+            place: None,
+        })
+    }
+
+    pub(crate) fn hint(mut self: Box<Self>, hint: impl Into<String>) -> Box<Self> {
+        self.hints.push(hint.into());
+        self
+    }
+
+    /// As the engine carries it. What a script must not catch ends the run at once.
+    #[cold]
+    pub(crate) fn raise_in(mut self: Box<Self>, source: Option<&str>, pos: Position) -> Box<EvalAltResult> {
+        self.place = Some((source.map(str::to_owned), pos));
+        self.raise(pos)
+    }
+
+    /// As [`ScriptError::raise_in`], in the file the engine is in.
+    #[cold]
+    pub(crate) fn raise(self: Box<Self>, pos: Position) -> Box<EvalAltResult> {
+        let ends_the_run = matches!(
+            self.kind,
+            ErrorKind::Limit | ErrorKind::Cancelled | ErrorKind::Internal
+        );
+        let value = Dynamic::from(*self);
+        Box::new(if ends_the_run {
+            EvalAltResult::ErrorTerminated(value, pos)
+        } else {
+            EvalAltResult::ErrorRuntime(value, pos)
+        })
+    }
+}
+
+impl fmt::Display for ScriptError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl From<SceneError> for Box<ScriptError> {
+    fn from(e: SceneError) -> Self {
+        Self::new(ScriptError {
+            kind: e.kind,
+            message: e.message,
+            hints: e.hint.into_iter().collect(),
+            place: None,
+        })
+    }
+}
+
+impl From<HostError> for Box<ScriptError> {
+    fn from(e: HostError) -> Self {
+        ScriptError::of_kind(e.kind, e.message)
+    }
+}
+
+impl From<Diagnostic> for Box<ScriptError> {
+    fn from(d: Diagnostic) -> Self {
+        let place = match (&d.file, d.line) {
+            (Some(file), 0) => format!("{file}: "),
+            (Some(file), line) => format!("{file}:{line}: "),
+            (None, _) => String::new(),
+        };
+        Self::new(ScriptError {
+            kind: d.kind,
+            message: format!("{place}{}", d.message),
+            hints: d.hints,
+            place: None,
+        })
+    }
+}
