@@ -4,7 +4,7 @@
 //! one folder and nothing else.
 
 use std::{
-    fs,
+    fmt, fs,
     io::Read,
     path::{Component, Path, PathBuf},
 };
@@ -33,6 +33,14 @@ impl HostError {
         }
     }
 }
+
+impl fmt::Display for HostError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for HostError {}
 
 /// Everything a script can reach outside itself.
 pub trait Host: Send + Sync {

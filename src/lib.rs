@@ -11,6 +11,7 @@ pub mod host;
 pub mod import;
 pub mod limits;
 pub mod math;
+pub mod output;
 pub mod render;
 pub mod scene;
 pub mod script;

@@ -1,11 +1,460 @@
 //! A scene as stable text, for people, snapshots and differences.
 
-use super::Scene;
+use std::fmt::{self, Write as _};
+
+use super::{
+    Encoding, Geometry, Group, Light, LightKind, Material, Mesh, Object, ROOT_GROUP, Scene, Term, Texels,
+    Texture,
+};
+use crate::{
+    diag::SourceLoc,
+    math::{DAffine3, DVec3},
+};
 
 impl Scene {
-    /// The whole scene as text, one entity a line, the same on every machine.
+    /// The whole scene as text, one entity a line, the same on every machine. Numbers are the shortest that
+    /// read back as the same; a term of a material that has its default is left out.
     #[must_use]
     pub fn dump(&self) -> String {
-        format!("{:?}", self.settings)
+        self.dump_short(usize::MAX)
+    }
+
+    /// As [`Scene::dump`], but of each list (the objects of a group, its lights, materials, ...) only the first
+    /// `limit` entries, then how many more there are and a hash of their text.
+    #[must_use]
+    pub fn dump_short(&self, limit: usize) -> String {
+        let mut out = String::new();
+        self.write_settings(&mut out);
+        list(
+            &mut out,
+            limit,
+            self.files.iter().enumerate(),
+            |line, (i, name)| write!(line, "file {i} {name:?}"),
+        );
+        for (i, group) in self.groups.iter().enumerate() {
+            self.write_group(&mut out, limit, i, group);
+        }
+        list(
+            &mut out,
+            limit,
+            self.materials.iter().enumerate(),
+            |line, (i, material)| {
+                write!(line, "material {i}")?;
+                write_material(line, material)
+            },
+        );
+        list(
+            &mut out,
+            limit,
+            self.textures.iter().enumerate(),
+            |line, (i, texture)| {
+                write!(line, "texture {i} ")?;
+                write_texture(line, texture)
+            },
+        );
+        list(
+            &mut out,
+            limit,
+            self.meshes.iter().enumerate(),
+            |line, (i, mesh)| {
+                write!(line, "mesh {i} ")?;
+                write_mesh(line, mesh)
+            },
+        );
+        out
+    }
+
+    fn write_settings(&self, out: &mut String) {
+        let s = &self.settings;
+        let encoding = match s.encoding {
+            Encoding::Srgb => "srgb",
+            Encoding::Raw => "raw",
+        };
+        let c = &self.camera;
+        let lines = [
+            format!("size {} {}", s.width, s.height),
+            format!("samples {} max_depth {} seed {}", s.samples, s.max_depth, s.seed),
+            format!("background {} encoding {encoding}", Vector(s.background)),
+            format!(
+                "camera eye {} at {} up {} fovy {}",
+                Vector(c.eye),
+                Vector(c.at),
+                Vector(c.up),
+                c.fovy
+            ),
+        ];
+        for line in lines {
+            out.push_str(&line);
+            out.push('\n');
+        }
+    }
+
+    fn write_group(&self, out: &mut String, limit: usize, index: usize, group: &Group) {
+        let name = if index == ROOT_GROUP.index() {
+            "root".to_owned()
+        } else {
+            format!("{:?}", group.name)
+        };
+        list(out, limit, std::iter::once(name), |line, name| {
+            let (objects, lights) = (group.objects.len(), group.lights.len());
+            write!(line, "group {index} {name} objects {objects} lights {lights}")?;
+            write_loc(line, group.loc)
+        });
+        list(
+            out,
+            limit,
+            group.objects.iter().enumerate(),
+            |line, (i, object)| {
+                write!(line, "  object {i} ")?;
+                self.write_object(line, object)
+            },
+        );
+        list(out, limit, group.lights.iter().enumerate(), |line, (i, light)| {
+            write!(line, "  light {i} ")?;
+            write_light(line, light)
+        });
+    }
+
+    fn write_object(&self, line: &mut String, object: &Object) -> fmt::Result {
+        match &object.geometry {
+            Geometry::Shape(shape) => write!(line, "{}{}", shape.name(), fields(&format!("{shape:?}")))?,
+            Geometry::Triangle(id) => {
+                write!(line, "tri")?;
+                if let Some(triangle) = self.triangles.get(id.index()) {
+                    for p in triangle.positions {
+                        write!(line, " ({})", Vector(p))?;
+                    }
+                    for n in triangle.normals.into_iter().flatten() {
+                        write!(line, " normal ({})", Vector(n))?;
+                    }
+                }
+            }
+            Geometry::Mesh(id) => write!(line, "mesh {}", id.0)?,
+            Geometry::Instance(id) => write!(line, "instance {}", id.0)?,
+        }
+        if !matches!(object.geometry, Geometry::Instance(_)) {
+            write!(line, " material {}", object.material.0)?;
+        }
+        let matrix = self.world_from_object(object);
+        if matrix != DAffine3::IDENTITY {
+            write!(line, " matrix")?;
+            write_rows(line, &matrix)?;
+        }
+        write_loc(line, object.loc)
+    }
+}
+
+/// Writes the lines of a list, the first `limit` in full.
+fn list<T>(
+    out: &mut String,
+    limit: usize,
+    items: impl Iterator<Item = T>,
+    write: impl Fn(&mut String, T) -> fmt::Result,
+) {
+    let mut rest = blake3::Hasher::new();
+    let mut more = 0u64;
+    let mut line = String::new();
+    for (i, item) in items.enumerate() {
+        line.clear();
+        // Writing into a String does not fail.
+        let _ = write(&mut line, item);
+        line.push('\n');
+        if i < limit {
+            out.push_str(&line);
+        } else {
+            more += 1;
+            rest.update(line.as_bytes());
+        }
+    }
+    if more > 0 {
+        let hash = rest.finalize().to_hex();
+        let _ = writeln!(out, "  and {more} more, hash {}", &hash[..32]);
+    }
+}
+
+/// Three numbers with blanks between.
+struct Vector(DVec3);
+
+impl fmt::Display for Vector {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {} {}", self.0.x, self.0.y, self.0.z)
+    }
+}
+
+/// The upper three rows of a matrix.
+fn write_rows(line: &mut String, m: &DAffine3) -> fmt::Result {
+    let (a, t) = (m.matrix3, m.translation);
+    for (i, t) in t.to_array().into_iter().enumerate() {
+        write!(line, " [{} {t}]", Vector(a.row(i)))?;
+    }
+    Ok(())
+}
+
+/// ` at 3:1`, or ` at 0:3:1` with the file's number where it is not the first; nothing where the line is unknown.
+fn write_loc(line: &mut String, loc: SourceLoc) -> fmt::Result {
+    match loc {
+        SourceLoc { line: 0, .. } => Ok(()),
+        SourceLoc { file: 0, .. } => write!(line, " at {}:{}", loc.line, loc.column),
+        _ => write!(line, " at {}:{}:{}", loc.file, loc.line, loc.column),
+    }
+}
+
+fn write_light(line: &mut String, light: &Light) -> fmt::Result {
+    let attenuation = match &light.kind {
+        LightKind::Point {
+            position,
+            attenuation,
+        } => {
+            write!(line, "point {}", Vector(*position))?;
+            Some(attenuation)
+        }
+        LightKind::Directional { direction } => {
+            write!(line, "directional {}", Vector(*direction))?;
+            None
+        }
+        LightKind::Area {
+            corner,
+            edge1,
+            edge2,
+            n,
+            attenuation,
+        } => {
+            let (corner, edge1, edge2) = (Vector(*corner), Vector(*edge1), Vector(*edge2));
+            write!(line, "area {corner} edges ({edge1}) ({edge2}) grid {n}")?;
+            Some(attenuation)
+        }
+    };
+    write!(line, " color {}", Vector(light.color))?;
+    if let Some(a) = attenuation.filter(|a| **a != super::Attenuation::default()) {
+        write!(line, " attenuation {} {} {}", a.constant, a.linear, a.quadratic)?;
+    }
+    write_loc(line, light.loc)
+}
+
+fn write_material(line: &mut String, material: &Material) -> fmt::Result {
+    let default = Material::default();
+    let terms = [
+        ("ambient", material.ambient, default.ambient),
+        ("emission", material.emission, default.emission),
+        ("diffuse", material.diffuse, default.diffuse),
+        ("specular", material.specular, default.specular),
+        ("transmission", material.transmission, default.transmission),
+    ];
+    for (name, term, default) in terms {
+        if term != default {
+            write!(line, " {name}")?;
+            write_term(line, &term)?;
+        }
+    }
+    if let Some(term) = &material.reflection {
+        write!(line, " reflection")?;
+        write_term(line, term)?;
+    }
+    if material.shininess != default.shininess {
+        write!(line, " shininess {}", material.shininess)?;
+    }
+    if material.ior != default.ior {
+        write!(line, " ior {}", material.ior)?;
+    }
+    if *material == default {
+        write!(line, " default")?;
+    }
+    Ok(())
+}
+
+fn write_term(line: &mut String, term: &Term) -> fmt::Result {
+    write!(line, " {}", Vector(term.color))?;
+    match term.texture {
+        Some(id) => write!(line, " texture {}", id.0),
+        None => Ok(()),
+    }
+}
+
+fn write_texture(line: &mut String, texture: &Texture) -> fmt::Result {
+    match texture {
+        Texture::Image(image) => {
+            let mut hasher = blake3::Hasher::new();
+            let encoding = match &image.texels {
+                Texels::Srgb8(texels) => {
+                    hasher.update(texels.as_flattened());
+                    "srgb"
+                }
+                Texels::Linear(texels) => {
+                    update(&mut hasher, texels.as_flattened().iter().map(|v| v.to_bits()));
+                    "linear"
+                }
+            };
+            let hash = hasher.finalize().to_hex();
+            let (name, width, height) = (&image.name, image.width, image.height);
+            write!(
+                line,
+                "image {name:?} {width} x {height} {encoding} hash {}",
+                &hash[..32]
+            )
+        }
+        Texture::Checker { even, odd, size } => {
+            write!(
+                line,
+                "checker even {} odd {} size {size}",
+                Vector(*even),
+                Vector(*odd)
+            )
+        }
+    }
+}
+
+fn write_mesh(line: &mut String, mesh: &Mesh) -> fmt::Result {
+    let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
+    write!(line, "{:?} vertices {vertices} triangles {triangles}", mesh.name)?;
+    let bounds = mesh.bounds();
+    if !bounds.is_empty() {
+        write!(line, " bounds ({}) ({})", Vector(bounds.min), Vector(bounds.max))?;
+    }
+    let mut hasher = blake3::Hasher::new();
+    update(
+        &mut hasher,
+        mesh.positions.iter().flat_map(|p| p.to_array()).map(f64::to_bits),
+    );
+    update(
+        &mut hasher,
+        mesh.triangles.iter().flatten().map(|&i| u64::from(i)),
+    );
+    if let Some(normals) = &mesh.normals {
+        write!(line, " normals {}", normals.values.len())?;
+        update(
+            &mut hasher,
+            normals.values.iter().flat_map(|n| n.to_array()).map(f64::to_bits),
+        );
+        update(
+            &mut hasher,
+            normals.indices.iter().flatten().map(|&i| u64::from(i)),
+        );
+    }
+    if let Some(uvs) = &mesh.uvs {
+        write!(line, " uvs {}", uvs.values.len())?;
+        update(
+            &mut hasher,
+            uvs.values.iter().flat_map(|t| t.to_array()).map(f64::to_bits),
+        );
+        update(&mut hasher, uvs.indices.iter().flatten().map(|&i| u64::from(i)));
+    }
+    if !mesh.face_materials.is_empty() {
+        let mut used: Vec<_> = mesh.face_materials.clone();
+        used.sort_unstable();
+        used.dedup();
+        let names = used.iter().map(|id| match *id {
+            super::MaterialId::INHERIT => "own".to_owned(),
+            id => id.0.to_string(),
+        });
+        write!(line, " materials {}", names.collect::<Vec<_>>().join(" "))?;
+        update(&mut hasher, mesh.face_materials.iter().map(|id| u64::from(id.0)));
+    }
+    write!(line, " hash {}", &hasher.finalize().to_hex()[..32])
+}
+
+/// Feeds numbers as little-endian bytes, so that the hash is the same on every machine.
+fn update(hasher: &mut blake3::Hasher, numbers: impl Iterator<Item = u64>) {
+    for number in numbers {
+        hasher.update(&number.to_le_bytes());
+    }
+}
+
+/// From the derived `Sphere(Sphere { center: DVec3(0.0, 1.5, 0.0), radius: 1.0 })` to
+/// ` { center: (0, 1.5, 0), radius: 1 }`; nothing for a shape without parameters. A shape that keeps derived
+/// numbers beside its parameters writes its `Debug` by hand, without them.
+fn fields(debug: &str) -> String {
+    let Some(fields) = debug.find('{').and_then(|start| debug[start..].strip_suffix(')')) else {
+        return String::new();
+    };
+    let fields = fields.replace("DVec3(", "(").replace("DVec2(", "(");
+    let mut text = String::from(" ");
+    let mut rest = fields.as_str();
+    while let Some(i) = rest.find(".0") {
+        let after = rest[i + 2..].chars().next();
+        let keep = if after.is_some_and(|c| c.is_ascii_digit()) {
+            i + 2
+        } else {
+            i
+        };
+        text.push_str(&rest[..keep]);
+        rest = &rest[i + 2..];
+    }
+    text + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::scene::Builder;
+
+    fn scene(spheres: u32) -> Scene {
+        let mut b = Builder::new();
+        b.file("a.rhai");
+        b.size(64, 48).unwrap();
+        b.set_loc(SourceLoc {
+            line: 3,
+            column: 1,
+            file: 0,
+        });
+        b.point(DVec3::new(5.0, 5.0, 5.0), DVec3::ONE).unwrap();
+        b.material_mut().diffuse = Term::color(DVec3::new(1.0, 0.2, 0.1));
+        b.material_mut().shininess = 20.0;
+        for i in 0..spheres {
+            b.sphere(DVec3::new(f64::from(i), 10.05, -0.5), 1.0).unwrap();
+        }
+        b.translate(DVec3::new(0.1, 0.0, -2.0)).unwrap();
+        b.triangle([DVec3::ZERO, DVec3::X, DVec3::Y], None).unwrap();
+        let mesh = Mesh::new("m.obj", vec![DVec3::ZERO, DVec3::X, DVec3::Y], vec![[0, 1, 2]]).unwrap();
+        b.mesh(&Arc::new(mesh)).unwrap();
+        b.finish().value
+    }
+
+    #[test]
+    fn the_dump_says_all() {
+        let dump = scene(1).dump();
+        let (text, hash) = dump.trim_end().rsplit_once(' ').unwrap();
+        assert_eq!(hash.len(), 32);
+        assert_eq!(
+            text,
+            "\
+size 64 48
+samples 1 max_depth 5 seed 0
+background 0 0 0 encoding srgb
+camera eye 0 0 5 at 0 0 0 up 0 1 0 fovy 45
+file 0 \"a.rhai\"
+group 0 root objects 3 lights 1
+  object 0 sphere { center: (0, 10.05, -0.5), radius: 1 } material 0 at 3:1
+  object 1 tri (0 0 0) (1 0 0) (0 1 0) material 0 matrix [1 0 0 0.1] [0 1 0 0] [0 0 1 -2] at 3:1
+  object 2 mesh 0 material 0 matrix [1 0 0 0.1] [0 1 0 0] [0 0 1 -2] at 3:1
+  light 0 point 5 5 5 color 1 1 1 at 3:1
+material 0 diffuse 1 0.2 0.1 shininess 20
+mesh 0 \"m.obj\" vertices 3 triangles 1 bounds (0 0 0) (1 1 0) hash"
+        );
+    }
+
+    #[test]
+    fn a_short_dump_still_tells_long_lists_apart() {
+        let short = scene(1_000).dump_short(20);
+        assert!(short.contains("  and 982 more, hash "), "{short}");
+        assert!(short.lines().count() < 40);
+        assert_ne!(
+            short,
+            scene(1_001)
+                .dump_short(20)
+                .replace("1003", "1002")
+                .replace("983", "982")
+        );
+        assert_eq!(scene(5).dump_short(20), scene(5).dump());
+    }
+
+    #[test]
+    fn numbers_lose_only_their_empty_fraction() {
+        assert_eq!(
+            fields("Cone(Cone { radius: 10.05, height: 100.0, k: 0.001, big: 1e20 })"),
+            " { radius: 10.05, height: 100, k: 0.001, big: 1e20 }"
+        );
+        assert_eq!(fields("Plane(Plane)"), "");
     }
 }

@@ -26,7 +26,7 @@ impl SceneError {
         }
     }
 
-    /// A limit was reached: its name in [`Limits`] and its value.
+    /// A limit was reached: its name in [`Limits`](crate::Limits) and its value.
     #[must_use]
     pub fn limit(what: &str, name: &str, value: impl fmt::Display) -> Self {
         Self {

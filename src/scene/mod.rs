@@ -2,7 +2,7 @@
 //!
 //! A [`Scene`] is what a [`Builder`] leaves behind. Every default is resolved in it, every handle is an index
 //! into one of its vectors, and every entity knows the line that made it. It never sees Rhai, the command line
-//! or the file system, and it holds no acceleration structure: [`render`](crate::render) compiles it for that.
+//! or the file system, and it holds no acceleration structure: [`render`](mod@crate::render) compiles it for that.
 
 mod builder;
 mod camera;

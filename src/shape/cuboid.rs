@@ -11,7 +11,7 @@ use crate::{
     scene::SceneError,
 };
 
-/// A box around the origin. See [`Cuboid::surface`] for the layout of its faces.
+/// A box around the origin. See `Cuboid::surface` for the layout of its faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
     half: DVec3,

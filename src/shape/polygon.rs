@@ -5,6 +5,8 @@
 //! edge there and back. uv over the rectangle around the polygon in its plane, with v up as far as the plane rises
 //! and u to the right as seen from the front; in a level plane u runs along +X.
 
+use std::fmt;
+
 use super::{Crossings, Solidity, Surface, triangle::TriangleRay};
 use crate::{
     math::{Bounds3, DVec2, DVec3, Ray, max_abs},
@@ -12,7 +14,7 @@ use crate::{
 };
 
 /// A planar polygon of any number of points.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Polygon {
     points: Vec<DVec3>,
     /// A point of the plane, in the middle of the points.
@@ -24,6 +26,13 @@ pub struct Polygon {
     axes: [DVec3; 2],
     uv_min: DVec2,
     uv_size: DVec2,
+}
+
+/// Its points; all else follows from them.
+impl fmt::Debug for Polygon {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Polygon").field("points", &self.points).finish()
+    }
 }
 
 impl Solidity for Polygon {

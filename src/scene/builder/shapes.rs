@@ -42,7 +42,7 @@ impl Builder {
         self.scene.textures.get(id.index())
     }
 
-    /// Adds a texture, to be named in a [`Term`](super::Term). The same `Arc` twice gives the same handle.
+    /// Adds a texture, to be named in a [`Term`](crate::scene::Term). The same `Arc` twice gives the same handle.
     pub fn texture(&mut self, texture: &Arc<Texture>) -> TextureId {
         let textures = &mut self.scene.textures;
         let index = textures

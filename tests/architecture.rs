@@ -1,0 +1,352 @@
+//! Which module may name which. `ARCHITECTURE.md` draws the picture; this test keeps it true.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs,
+    path::{Path, PathBuf},
+};
+
+/// For each module the modules of this crate that it may name, itself aside.
+const MAY_NAME: [(&str, &[&str]); 17] = [
+    ("math", &[]),
+    ("color", &["math"]),
+    ("diag", &[]),
+    ("limits", &[]),
+    // A shape refuses bad parameters with the scene's error.
+    ("shape", &["math", "scene::SceneError"]),
+    ("scene", &["math", "color", "diag", "limits", "shape"]),
+    ("accel", &["math"]),
+    ("host", &["diag", "render"]),
+    (
+        "render",
+        &[
+            "math", "color", "diag", "host", "limits", "scene", "shape", "accel",
+        ],
+    ),
+    (
+        "import",
+        &["math", "color", "diag", "host", "limits", "scene", "shape"],
+    ),
+    ("output", &["diag", "host", "render"]),
+    (
+        "script",
+        &[
+            "math", "color", "diag", "host", "limits", "scene", "shape", "render", "import",
+        ],
+    ),
+    ("source", &["diag", "host", "limits", "scene", "import", "script"]),
+    (
+        "testing",
+        &[
+            "math", "diag", "host", "limits", "scene", "render", "script", "source", "output",
+        ],
+    ),
+    (
+        "cli",
+        &[
+            "diag", "host", "limits", "render", "import", "output", "script", "source",
+        ],
+    ),
+    ("main", &[]),
+    ("lib", &[]),
+];
+
+/// Modules that know neither the language nor the command nor the system.
+const PURE: [&str; 6] = ["scene", "shape", "accel", "render", "math", "color"];
+
+/// What they must not name.
+const IMPURE: [&str; 11] = [
+    "rhai",
+    "clap",
+    "tobj",
+    "std::fs",
+    "std::env",
+    "std::io",
+    "std::net",
+    "std::process",
+    "crate::cli",
+    "crate::script",
+    "crate::import",
+];
+
+/// Modules that may touch the file system.
+const MAY_OPEN_FILES: [&str; 4] = ["host", "output", "testing", "cli"];
+
+/// The one place that asks the environment: which instructions to use, which no pixel depends on.
+const MAY_ASK: (&str, &str) = ("accel/lanes.rs", "std::env");
+
+/// A source file: the module it belongs to and the words of its code, comments and texts left out.
+struct Source {
+    path: PathBuf,
+    module: String,
+    code: String,
+    /// Every path that it names, such as `crate::scene::Scene`, with `use` lists spelled out.
+    names: BTreeSet<String>,
+}
+
+fn sources() -> Vec<Source> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut sources = Vec::new();
+    collect(&root, &root, &mut sources);
+    assert!(sources.len() > 20, "found only {} files", sources.len());
+    sources
+}
+
+/// Reads the files of a folder and of those below, modules that exist for tests only left out.
+fn collect(root: &Path, folder: &Path, sources: &mut Vec<Source>) {
+    let entries: Vec<PathBuf> = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
+    let files = entries
+        .iter()
+        .filter(|path| path.extension().is_some_and(|e| e == "rs"));
+    let texts: Vec<(&PathBuf, String)> = files
+        .map(|path| (path, fs::read_to_string(path).unwrap()))
+        .collect();
+    let is_for_tests = |path: &PathBuf| {
+        let declaration = format!(
+            "#[cfg(test)]\nmod {};",
+            path.file_stem().unwrap().to_string_lossy()
+        );
+        texts.iter().any(|(_, text)| text.contains(&declaration))
+    };
+    for (path, text) in texts.iter().filter(|(path, _)| !is_for_tests(path)) {
+        let relative = path.strip_prefix(root).unwrap().with_extension("");
+        let code = without_tests(&without_comments_and_texts(text));
+        let mut names = names(&code);
+        if path.ends_with(MAY_ASK.0) {
+            names.retain(|name| !starts_with_path(name, MAY_ASK.1));
+        }
+        sources.push(Source {
+            path: path.to_path_buf(),
+            module: relative.iter().next().unwrap().to_string_lossy().into_owned(),
+            code,
+            names,
+        });
+    }
+    for folder in entries.iter().filter(|path| path.is_dir() && !is_for_tests(path)) {
+        collect(root, folder, sources);
+    }
+}
+
+/// Unit tests stand at the end of a file and may name anything.
+fn without_tests(code: &str) -> String {
+    code.split("#[cfg(test)]\nmod tests")
+        .next()
+        .unwrap_or_default()
+        .to_owned()
+}
+
+/// Blanks out comments, strings and characters, so that words in them do not count.
+fn without_comments_and_texts(text: &str) -> String {
+    let chars: Vec<char> = text.chars().collect();
+    let mut code = String::new();
+    let mut i = 0;
+    let starts = |i: usize, what: &str| {
+        what.chars()
+            .enumerate()
+            .all(|(k, c)| chars.get(i + k) == Some(&c))
+    };
+    while i < chars.len() {
+        let end = if starts(i, "//") {
+            end_of(&chars, i, "\n").map(|end| end - 1)
+        } else if starts(i, "/*") {
+            end_of(&chars, i + 2, "*/")
+        } else if chars[i] == 'r' && (starts(i, "r\"") || starts(i, "r#")) && !follows_word(&chars, i) {
+            let hashes = chars[i + 1..].iter().take_while(|c| **c == '#').count();
+            let close = format!("\"{}", "#".repeat(hashes));
+            let is_text = chars.get(i + 1 + hashes) == Some(&'"');
+            if is_text {
+                end_of(&chars, i + 2 + hashes, &close)
+            } else {
+                Some(i + 1)
+            }
+        } else if chars[i] == '"' {
+            end_of_string(&chars, i)
+        } else if chars[i] == '\'' {
+            end_of_char(&chars, i)
+        } else {
+            code.push(chars[i]);
+            i += 1;
+            continue;
+        };
+        code.push(' ');
+        i = end.unwrap_or(chars.len()).max(i + 1);
+    }
+    code
+}
+
+fn follows_word(chars: &[char], i: usize) -> bool {
+    i > 0 && (chars[i - 1].is_alphanumeric() || chars[i - 1] == '_')
+}
+
+fn end_of(chars: &[char], from: usize, what: &str) -> Option<usize> {
+    let what: Vec<char> = what.chars().collect();
+    (from..chars.len())
+        .find(|&i| chars[i..].starts_with(&what))
+        .map(|i| i + what.len())
+}
+
+fn end_of_string(chars: &[char], start: usize) -> Option<usize> {
+    let mut i = start + 1;
+    while *chars.get(i)? != '"' {
+        i += if chars[i] == '\\' { 2 } else { 1 };
+    }
+    Some(i + 1)
+}
+
+/// A character ends at its second quote; a lifetime is one quote and no text.
+fn end_of_char(chars: &[char], start: usize) -> Option<usize> {
+    match (chars.get(start + 1)?, chars.get(start + 2)) {
+        ('\\', _) => end_of(chars, start + 3, "'"),
+        (_, Some('\'')) => Some(start + 3),
+        _ => Some(start + 1),
+    }
+}
+
+/// Every `a::b::c` of the code; in `a::{b, c::{d}}` each branch.
+fn names(code: &str) -> BTreeSet<String> {
+    let compact: String = code.split_whitespace().collect::<Vec<_>>().join(" ");
+    let compact = compact.replace(" ::", "::").replace(":: ", "::");
+    let mut names = BTreeSet::new();
+    // Prefixes of the braces that are open: Some for `path::{`, None for any other brace.
+    let mut open: Vec<Option<String>> = Vec::new();
+    let mut word = String::new();
+    for c in compact.chars() {
+        if c.is_alphanumeric() || c == '_' || c == ':' {
+            word.push(c);
+            continue;
+        }
+        let prefix = open.last().cloned().flatten().unwrap_or_default();
+        if c == '{' && word.ends_with("::") {
+            open.push(Some(prefix + &word));
+        } else {
+            if !word.is_empty() {
+                names.insert(prefix + &word);
+            }
+            match c {
+                '{' => open.push(None),
+                '}' => drop(open.pop()),
+                _ => {}
+            }
+        }
+        word.clear();
+    }
+    names
+}
+
+fn starts_with_path(name: &str, path: &str) -> bool {
+    name.strip_prefix(path)
+        .is_some_and(|rest| rest.is_empty() || rest.starts_with(':'))
+}
+
+#[test]
+fn names_are_found_through_lists_and_not_in_texts() {
+    let code = r##"
+        use crate::{diag::{Error, Report}, math};
+        // crate::cli
+        fn f<'a>(x: &'a str) -> char { let s = "crate::script \" x"; let r = r#"rhai"#; std::fs::read(x); '"' }
+    "##;
+    let found = names(&without_comments_and_texts(code));
+    for wanted in [
+        "crate::diag::Error",
+        "crate::diag::Report",
+        "crate::math",
+        "std::fs::read",
+    ] {
+        assert!(found.contains(wanted), "{wanted} in {found:?}");
+    }
+    assert!(
+        !found
+            .iter()
+            .any(|n| n.contains("cli") || n.contains("script") || n.contains("rhai")),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn edges_point_down_only() {
+    let allowed: BTreeMap<&str, &[&str]> = MAY_NAME.into_iter().collect();
+    let mut wrong = Vec::new();
+    for source in sources().iter().filter(|s| s.module != "lib") {
+        let Some(may) = allowed.get(source.module.as_str()) else {
+            wrong.push(format!(
+                "{}: a module this test does not know",
+                source.path.display()
+            ));
+            continue;
+        };
+        for name in &source.names {
+            let Some(target) = name.strip_prefix("crate::") else {
+                continue;
+            };
+            let own = starts_with_path(target, &source.module);
+            if !own && !may.iter().any(|path| starts_with_path(target, path)) {
+                wrong.push(format!("{} names {name}", source.path.display()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn the_core_knows_neither_language_nor_command_nor_system() {
+    let mut wrong = Vec::new();
+    for source in sources().iter().filter(|s| PURE.contains(&s.module.as_str())) {
+        for name in &source.names {
+            if IMPURE.iter().any(|path| starts_with_path(name, path)) {
+                wrong.push(format!("{} names {name}", source.path.display()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn files_are_opened_by_hosts_and_writers_only() {
+    for source in sources()
+        .iter()
+        .filter(|s| !MAY_OPEN_FILES.contains(&s.module.as_str()))
+    {
+        for name in &source.names {
+            assert!(
+                !starts_with_path(name, "std::fs"),
+                "{} names {name}",
+                source.path.display()
+            );
+        }
+    }
+}
+
+#[test]
+fn the_picture_asks_neither_clock_nor_environment() {
+    for source in sources()
+        .iter()
+        .filter(|s| !["cli", "main"].contains(&s.module.as_str()))
+    {
+        for name in &source.names {
+            let asks = ["std::env", "SystemTime", "std::time::SystemTime"];
+            assert!(
+                !asks.iter().any(|path| starts_with_path(name, path)),
+                "{} names {name}",
+                source.path.display()
+            );
+        }
+    }
+}
+
+#[test]
+fn unsafe_code_stands_in_accel_only() {
+    for source in sources().iter().filter(|s| s.module != "accel") {
+        let words = source.code.split(|c: char| !c.is_alphanumeric() && c != '_');
+        assert_eq!(
+            words.filter(|word| *word == "unsafe").count(),
+            0,
+            "{}",
+            source.path.display()
+        );
+    }
+}
