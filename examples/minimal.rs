@@ -8,7 +8,9 @@ use rtscript::{DirHost, Limits, RenderOptions, RunOptions, Script, output, rende
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut args = std::env::args().skip(1);
-    let scene = args.next().unwrap_or_else(|| "scripts/sphereflake.rhai".to_owned());
+    let scene = args
+        .next()
+        .unwrap_or_else(|| "scripts/sphereflake.rhai".to_owned());
     let picture = args.next().unwrap_or_else(|| "minimal.png".to_owned());
     let host = DirHost::new(Path::new(&scene).parent().unwrap_or(Path::new(".")));
     let script = Script::compile(&scene, &fs::read_to_string(&scene)?, &Limits::default())?;

@@ -2,7 +2,7 @@
 
 use super::{
     integrator::{Counts, Path},
-    world::{Probe, SurfacePoint, World},
+    world::{Blocker, Probe, SurfacePoint, World},
 };
 use crate::{
     color::Color,
@@ -138,12 +138,10 @@ fn visibility(
     // A light may lie in the very surface that shows where it is: stop short of it.
     let mut rest = sample.distance * (1.0 - 1e-7);
     let mut probe = Probe::from_surface(Ray::new(at.position, sample.direction), number, at.scale);
-    if !world.has_transparency() {
-        return if world.occluded(&probe, rest) {
-            Color::ZERO
-        } else {
-            Color::ONE
-        };
+    match world.blocker(&probe, rest) {
+        Blocker::None => return Color::ONE,
+        Blocker::Opaque => return Color::ZERO,
+        Blocker::Transparent => {}
     }
     let mut through = Color::ONE;
     // Each turn passes one transparent surface. Nobody looks through more than these.

@@ -12,7 +12,7 @@ use crate::{
     accel::{self, Box32, Bvh, Kinds, LeafKind, Spheres, Triangles},
     diag::{Diagnostic, Error, ErrorKind},
     math::{Bounds3, DAffine3, DMat3, DVec3, is_singular, max_abs},
-    scene::{Geometry, GroupId, Mesh, MeshId, ROOT_GROUP, Scene},
+    scene::{Geometry, GroupId, MaterialId, Mesh, MeshId, ROOT_GROUP, Scene},
     shape::{Shape, Sphere},
 };
 
@@ -39,11 +39,9 @@ impl<'s> World<'s> {
             let level = compiler.group(id)?;
             compiler.of_group.insert(id, level);
         }
-        let has_transparency = scene.materials.iter().any(|m| !m.transmission.is_black());
         Ok(World {
             scene,
             levels: compiler.levels,
-            has_transparency,
         })
     }
 }
@@ -155,6 +153,7 @@ impl Compiler<'_> {
             ));
         }
         level.numbers = numbers;
+        level.transparent = self.transparency(&level);
 
         let bounds: Vec<Option<Bounds3>> = (0..level.primitives() as u32)
             .into_par_iter()
@@ -205,6 +204,60 @@ impl Compiler<'_> {
         self.levels.push(level);
         self.depths.push(depth);
         Ok(self.levels.len() as u32 - 1)
+    }
+
+    /// See [`Level::transparent`]. A shared mesh takes the material of whoever places it, so it may be
+    /// transparent as soon as anything is.
+    fn transparency(&self, level: &Level) -> Vec<u64> {
+        let transparent: Vec<bool> = self
+            .scene
+            .materials
+            .iter()
+            .map(|m| !m.transmission.is_black())
+            .collect();
+        if !transparent.contains(&true) {
+            return Vec::new();
+        }
+        let objects = level
+            .group
+            .map_or(&[][..], |id| &self.scene.groups[id.index()].objects);
+        let of_object = |object: u32| match objects.get(object as usize) {
+            Some(object) => transparent.get(object.material.index()).copied().unwrap_or(true),
+            None => true,
+        };
+        let mut bits = vec![0u64; level.primitives().div_ceil(64)];
+        let mut mark = |index: usize| bits[index / 64] |= 1 << (index % 64);
+        for (i, run) in level.runs.iter().enumerate() {
+            let end = level
+                .runs
+                .get(i + 1)
+                .map_or(level.triangles.len(), |next| next.first as usize);
+            let inherited = of_object(run.object);
+            let own = match run.source {
+                TriangleSource::Mesh(id) => &self.scene.meshes[id.index()].face_materials[..],
+                TriangleSource::Single(_) => &[],
+            };
+            for index in run.first as usize..end {
+                let material = own
+                    .get(index - run.first as usize)
+                    .copied()
+                    .unwrap_or(MaterialId::INHERIT);
+                if transparent.get(material.index()).copied().unwrap_or(inherited) {
+                    mark(index);
+                }
+            }
+        }
+        for (index, sphere) in level.spheres.iter().enumerate() {
+            if of_object(sphere.object) {
+                mark(level.triangles.len() + index);
+            }
+        }
+        for (index, placed) in level.shapes.iter().enumerate() {
+            if of_object(placed.object) {
+                mark(level.triangles.len() + level.spheres.len() + index);
+            }
+        }
+        bits
     }
 
     /// A box around a primitive in its level's space; `None` where it has no end.

@@ -29,6 +29,8 @@ pub(crate) struct Level {
     pub(super) unbounded: Vec<u32>,
     /// A box around everything; `None` where something has no end.
     pub(super) bounds: Option<Bounds3>,
+    /// One bit for each primitive that may let light through; empty where none does.
+    pub(super) transparent: Vec<u64>,
     /// Numbers that this level's primitives take, those of placed levels included.
     pub(super) numbers: u64,
 }
@@ -134,6 +136,14 @@ impl Level {
         self.triangles[triangle as usize].map(|i| self.vertices[i as usize])
     }
 
+    /// Whether a primitive may let light through. An instance answers for itself.
+    #[inline]
+    pub(super) fn may_be_transparent(&self, index: u32) -> bool {
+        self.transparent
+            .get(index as usize / 64)
+            .is_some_and(|bits| bits >> (index % 64) & 1 == 1)
+    }
+
     /// How much light a primitive can block, roughly.
     pub(super) fn blocking_area(&self, index: u32, bounds: Option<Bounds3>) -> f64 {
         match self.primitive(index) {
@@ -161,6 +171,7 @@ impl Level {
             + size_of_val(&*self.spheres)
             + size_of_val(&*self.shapes)
             + size_of_val(&*self.instances)
+            + size_of_val(&*self.transparent)
             + size_of_val(&*self.triangle_blocks)
             + size_of_val(&*self.sphere_blocks)
             + self.bvh.bytes()

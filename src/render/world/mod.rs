@@ -13,7 +13,7 @@ mod tests;
 mod trace;
 
 pub(crate) use surface::SurfacePoint;
-pub(crate) use trace::Probe;
+pub(crate) use trace::{Blocker, Probe};
 
 use crate::{
     math::{DVec3, Ray},
@@ -41,8 +41,6 @@ pub struct World<'s> {
     pub(crate) scene: &'s Scene,
     /// Levels; a level comes before the levels that place it, so the last is the root.
     levels: Vec<Level>,
-    /// Whether any material lets light through, so that shadows must look at what they meet.
-    has_transparency: bool,
 }
 
 /// What a ray met.
@@ -72,7 +70,7 @@ impl World<'_> {
     /// Whether a ray meets anything with 0 < t <= `t_max`, transparent things included.
     #[must_use]
     pub fn is_occluded(&self, ray: &Ray, t_max: f64) -> bool {
-        self.occluded(&Probe::from_space(*ray), t_max)
+        self.blocker(&Probe::from_space(*ray), t_max) != Blocker::None
     }
 
     /// As [`World::raycast`], with t and the primitive's number only.

@@ -2,7 +2,10 @@
 
 use proptest::prelude::*;
 
-use super::{World, trace::Probe};
+use super::{
+    World,
+    trace::{Blocker, Probe},
+};
 use crate::{
     Builder, DVec3, Scene,
     math::{Ray, max_abs},
@@ -145,11 +148,11 @@ proptest! {
             for _ in 0..6 {
                 let (fast, slow) = (world.nearest(&probe, f64::INFINITY), world.nearest_brute(&probe, f64::INFINITY));
                 prop_assert_eq!(fast.map(|h| (h.t.to_bits(), h.number)), slow.map(|h| (h.t.to_bits(), h.number)));
-                let any = world.occluded(&probe, f64::INFINITY);
-                prop_assert_eq!(any, slow.is_some());
+                let any = world.blocker(&probe, f64::INFINITY);
+                prop_assert_eq!(any != Blocker::None, slow.is_some());
                 let Some(hit) = slow else { break };
-                prop_assert!(!world.occluded(&probe, hit.t * (1.0 - 1e-9)), "nothing stands before the nearest");
-                prop_assert!(world.occluded(&probe, hit.t * (1.0 + 1e-9)));
+                prop_assert!(world.blocker(&probe, hit.t * (1.0 - 1e-9)) == Blocker::None, "nothing stands before the nearest");
+                prop_assert!(world.blocker(&probe, hit.t * (1.0 + 1e-9)) != Blocker::None);
                 let surface = world.surface(&hit, &probe.ray).unwrap();
                 prop_assert!((surface.shading_normal.length() - 1.0).abs() < 1e-12);
                 prop_assert!(max_abs(surface.position) <= surface.scale);
@@ -221,7 +224,10 @@ fn closed_meshes_do_not_leak() {
                 world.nearest(&Probe::from_space(ray), f64::INFINITY).is_some(),
                 "out at {aim}, aim {i}"
             );
-            assert!(world.occluded(&Probe::from_space(ray), f64::INFINITY));
+            assert_eq!(
+                world.blocker(&Probe::from_space(ray), f64::INFINITY),
+                Blocker::Opaque
+            );
         }
     }
 }

@@ -5,9 +5,9 @@ use super::{
     level::{Level, Primitive},
 };
 use crate::{
-    accel::{BLOCK, Control, LeafKind, NONE, RayBlock, RayBox, round_down, round_up},
+    accel::{BLOCK, Child, Control, LeafKind, NONE, RayBlock, RayBox, round_down, round_up},
     math::{Ray, max_abs},
-    shape::{Crossings, Sphere, triangle::TriangleRay},
+    shape::{Crossing, Crossings, Sphere, triangle::TriangleRay},
 };
 
 /// A ray with what it may meet.
@@ -64,92 +64,109 @@ pub(crate) struct Hit {
     pub(super) part: u8,
 }
 
+/// What stands between a point and a light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Blocker {
+    /// Nothing.
+    None,
+    /// Perhaps something that lets light through, and nothing that does not.
+    Transparent,
+    /// Something that lets no light through.
+    Opaque,
+}
+
+/// A question put to all levels, and its answer so far.
+struct Query<'p> {
+    probe: &'p Probe,
+    best: Hit,
+    /// Something was met that may let light through.
+    met_transparent: bool,
+}
+
+impl<'p> Query<'p> {
+    fn new(probe: &'p Probe, t_max: f64) -> Self {
+        let best = Hit {
+            t: t_max,
+            number: u64::MAX,
+            u: 0.0,
+            v: 0.0,
+            part: 0,
+        };
+        Self {
+            probe,
+            best,
+            met_transparent: false,
+        }
+    }
+
+    fn hit(&self) -> Option<Hit> {
+        (self.best.number != u64::MAX).then_some(self.best)
+    }
+}
+
 impl World<'_> {
     /// The nearest hit before `t_max`, least number first where several are equally near.
     pub(crate) fn nearest(&self, probe: &Probe, t_max: f64) -> Option<Hit> {
-        let mut best = Hit {
-            t: t_max,
-            number: u64::MAX,
-            u: 0.0,
-            v: 0.0,
-            part: 0,
-        };
-        if let Some(root) = self.root() {
-            self.search::<false>(root, 0, &probe.ray, probe, &mut best);
-        }
-        (best.number != u64::MAX).then_some(best)
+        let mut query = Query::new(probe, t_max);
+        self.search::<false>(self.root()?, 0, &probe.ray, &mut query);
+        query.hit()
     }
 
-    /// Whether anything at all is met before `t_max`.
-    pub(crate) fn occluded(&self, probe: &Probe, t_max: f64) -> bool {
-        let mut best = Hit {
-            t: t_max,
-            number: u64::MAX,
-            u: 0.0,
-            v: 0.0,
-            part: 0,
-        };
-        self.root()
-            .is_some_and(|root| self.search::<true>(root, 0, &probe.ray, probe, &mut best) == Control::Stop)
+    /// What kind of thing is met before `t_max`.
+    pub(crate) fn blocker(&self, probe: &Probe, t_max: f64) -> Blocker {
+        let mut query = Query::new(probe, t_max);
+        let stopped = self
+            .root()
+            .is_some_and(|root| self.search::<true>(root, 0, &probe.ray, &mut query) == Control::Stop);
+        match (stopped, query.met_transparent) {
+            (true, _) => Blocker::Opaque,
+            (false, true) => Blocker::Transparent,
+            (false, false) => Blocker::None,
+        }
     }
 
     /// As [`World::nearest`], without the tree.
     #[cfg(test)]
     pub(super) fn nearest_brute(&self, probe: &Probe, t_max: f64) -> Option<Hit> {
-        fn all(world: &World<'_>, level: &Level, base: u64, ray: &Ray, probe: &Probe, best: &mut Hit) {
+        fn all(world: &World<'_>, level: &Level, base: u64, ray: &Ray, query: &mut Query<'_>) {
             for index in 0..level.primitives() as u32 {
                 if let Primitive::Instance(i) = level.primitive(index) {
                     let instance = &level.instances[i as usize];
                     let inner = &world.levels[instance.level as usize];
-                    let ray = ray.transformed(&instance.inner_from_outer);
-                    all(world, inner, base + instance.first_number, &ray, probe, best);
+                    all(
+                        world,
+                        inner,
+                        base + instance.first_number,
+                        &ray.transformed(&instance.inner_from_outer),
+                        query,
+                    );
                 } else {
-                    let mut search = LevelSearch {
+                    LevelSearch {
                         world,
                         level,
                         base,
                         ray,
-                        probe,
-                        best,
+                        query,
                         triangle_ray: None,
-                    };
-                    search.other::<false>(index);
+                    }
+                    .other::<false>(index);
                 }
             }
         }
-        let mut best = Hit {
-            t: t_max,
-            number: u64::MAX,
-            u: 0.0,
-            v: 0.0,
-            part: 0,
-        };
-        all(self, self.root()?, 0, &probe.ray, probe, &mut best);
-        (best.number != u64::MAX).then_some(best)
-    }
-
-    /// Whether shadows must look at the material of what they meet.
-    pub(crate) fn has_transparency(&self) -> bool {
-        self.has_transparency
+        let mut query = Query::new(probe, t_max);
+        all(self, self.root()?, 0, &probe.ray, &mut query);
+        query.hit()
     }
 
     /// Searches a level whose first primitive has the number `base`; `ray` is the probe's in the level's space.
-    /// With `ANY` the first thing met ends the search.
-    fn search<const ANY: bool>(
-        &self,
-        level: &Level,
-        base: u64,
-        ray: &Ray,
-        probe: &Probe,
-        best: &mut Hit,
-    ) -> Control {
+    /// With `ANY` the first opaque thing met ends the search.
+    fn search<const ANY: bool>(&self, level: &Level, base: u64, ray: &Ray, query: &mut Query<'_>) -> Control {
         let mut search = LevelSearch {
             world: self,
             level,
             base,
             ray,
-            probe,
-            best,
+            query,
             triangle_ray: None,
         };
         for &index in &level.unbounded {
@@ -158,53 +175,21 @@ impl World<'_> {
             }
         }
         let ray_block = RayBlock::new(ray, level.extent);
-        let t_least = round_up(probe.t_min);
-        let t_most = round_down(search.best.t);
+        let t_max = search.query.best.t;
+        let (t_least, t_most) = (round_up(search.query.probe.t_min), round_down(t_max));
         let mut control = Control::Continue;
-        let t_max = search.best.t;
         level
             .bvh
             .traverse::<ANY>(&RayBox::new(ray), t_max, |leaf, bound| {
-                match leaf.kind() {
+                control = match leaf.kind() {
                     LeafKind::Triangles => {
-                        for block in &level.triangle_blocks[leaf.range()] {
-                            let found = block.candidates(&ray_block, t_least, t_most, *bound);
-                            if found.possible == 0 {
-                                continue;
-                            }
-                            if ANY && found.certain != 0 && search.is_not_start(&block.ids, found.certain) {
-                                control = Control::Stop;
-                                return control;
-                            }
-                            for lane in lanes(found.possible) {
-                                if search.triangle(block.ids[lane]) && ANY {
-                                    control = Control::Stop;
-                                    return control;
-                                }
-                            }
-                        }
+                        search.triangles::<ANY>(leaf, &ray_block, [t_least, t_most, *bound])
                     }
-                    LeafKind::Spheres => {
-                        for block in &level.sphere_blocks[leaf.range()] {
-                            for lane in lanes(block.possible(&ray_block, *bound)) {
-                                if search.sphere(block.ids[lane]) && ANY {
-                                    control = Control::Stop;
-                                    return control;
-                                }
-                            }
-                        }
-                    }
-                    LeafKind::Others => {
-                        for &index in level.bvh.others(leaf) {
-                            control = search.other::<ANY>(index);
-                            if control == Control::Stop {
-                                return control;
-                            }
-                        }
-                    }
-                }
-                *bound = round_up(search.best.t);
-                Control::Continue
+                    LeafKind::Spheres => search.spheres::<ANY>(leaf, &ray_block, *bound),
+                    LeafKind::Others => search.others::<ANY>(leaf),
+                };
+                *bound = round_up(search.query.best.t);
+                control
             });
         control
     }
@@ -222,135 +207,195 @@ fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
     })
 }
 
-/// A search of one level: the exact tests.
-struct LevelSearch<'a, 's> {
+/// A search of one level.
+struct LevelSearch<'a, 's, 'p> {
     world: &'a World<'s>,
     level: &'a Level,
     base: u64,
     ray: &'a Ray,
-    probe: &'a Probe,
-    best: &'a mut Hit,
+    query: &'a mut Query<'p>,
     /// Made when the first triangle needs it.
     triangle_ray: Option<TriangleRay>,
 }
 
-impl LevelSearch<'_, '_> {
-    /// Takes a hit if it is the best so far.
-    #[inline]
-    fn offer(&mut self, hit: Hit) -> bool {
-        let better = hit.t < self.best.t || (hit.t == self.best.t && hit.number < self.best.number);
-        if better {
-            *self.best = hit;
+impl LevelSearch<'_, '_, '_> {
+    #[inline(always)]
+    fn triangles<const ANY: bool>(
+        &mut self,
+        leaf: Child,
+        ray: &RayBlock,
+        [t_least, t_most, bound]: [f32; 3],
+    ) -> Control {
+        for block in &self.level.triangle_blocks[leaf.range()] {
+            let found = block.candidates(ray, t_least, t_most, bound);
+            if found.possible == 0 {
+                continue;
+            }
+            if ANY && found.certain != 0 && self.any_blocks(&block.ids, found.certain) {
+                return Control::Stop;
+            }
+            for lane in lanes(found.possible) {
+                if self.triangle::<ANY>(block.ids[lane]) == Control::Stop {
+                    return Control::Stop;
+                }
+            }
         }
-        better
+        Control::Continue
     }
 
-    /// Whether any of the lanes is something else than the primitive the ray starts on.
+    #[inline(always)]
+    fn spheres<const ANY: bool>(&mut self, leaf: Child, ray: &RayBlock, bound: f32) -> Control {
+        for block in &self.level.sphere_blocks[leaf.range()] {
+            for lane in lanes(block.possible(ray, bound)) {
+                if self.sphere::<ANY>(block.ids[lane]) == Control::Stop {
+                    return Control::Stop;
+                }
+            }
+        }
+        Control::Continue
+    }
+
+    fn others<const ANY: bool>(&mut self, leaf: Child) -> Control {
+        for &index in self.level.bvh.others(leaf) {
+            if self.other::<ANY>(index) == Control::Stop {
+                return Control::Stop;
+            }
+        }
+        Control::Continue
+    }
+
+    /// Takes a hit on the level's primitive `index` if it is the best so far; with `ANY` it ends the search
+    /// unless it may let light through.
     #[inline]
-    fn is_not_start(&self, ids: &[u32; BLOCK], mask: u32) -> bool {
-        lanes(mask).any(|lane| self.base + u64::from(ids[lane]) != self.probe.start)
+    fn offer<const ANY: bool>(&mut self, index: u32, hit: Hit) -> Control {
+        let best = &mut self.query.best;
+        if !(hit.t < best.t || (hit.t == best.t && hit.number < best.number)) {
+            return Control::Continue;
+        }
+        if !ANY {
+            *best = hit;
+            return Control::Continue;
+        }
+        if self.level.may_be_transparent(index) {
+            self.query.met_transparent = true;
+            return Control::Continue;
+        }
+        Control::Stop
+    }
+
+    /// Whether any of the lanes' triangles, all of them certainly hit, is opaque and not where the ray starts.
+    #[inline]
+    fn any_blocks(&mut self, ids: &[u32; BLOCK], mask: u32) -> bool {
+        lanes(mask).any(|lane| {
+            let is_start = self.base + u64::from(ids[lane]) == self.query.probe.start;
+            !is_start && !self.level.may_be_transparent(ids[lane])
+        })
     }
 
     #[inline]
-    fn triangle(&mut self, index: u32) -> bool {
+    fn triangle<const ANY: bool>(&mut self, index: u32) -> Control {
         let number = self.base + u64::from(index);
-        if number == self.probe.start || index == NONE {
-            return false;
+        if number == self.query.probe.start || index == NONE {
+            return Control::Continue;
         }
         let ray = self.ray;
         let triangle_ray = self.triangle_ray.get_or_insert_with(|| TriangleRay::new(ray));
         let [a, b, c] = self.level.corners(index);
         match triangle_ray.intersect(a, b, c) {
-            Some(hit) if hit.t > self.probe.t_min => self.offer(Hit {
-                t: hit.t,
-                number,
-                u: hit.u,
-                v: hit.v,
-                part: 0,
-            }),
-            _ => false,
+            Some(hit) if hit.t > self.query.probe.t_min => self.offer::<ANY>(
+                index,
+                Hit {
+                    t: hit.t,
+                    number,
+                    u: hit.u,
+                    v: hit.v,
+                    part: 0,
+                },
+            ),
+            _ => Control::Continue,
         }
     }
 
     #[inline]
-    fn sphere(&mut self, index: u32) -> bool {
-        let Some(sphere) = self.level.spheres.get(index as usize) else {
-            return false;
+    fn sphere<const ANY: bool>(&mut self, i: u32) -> Control {
+        let Some(sphere) = self.level.spheres.get(i as usize) else {
+            return Control::Continue;
         };
-        let number = self.base + self.level.triangles.len() as u64 + u64::from(index);
+        let index = self.level.triangles.len() as u32 + i;
+        let number = self.base + u64::from(index);
         let Some((t0, t1)) = Sphere::roots(sphere.center, sphere.radius, self.ray) else {
-            return false;
+            return Control::Continue;
         };
-        let t_min = self.probe.t_min;
-        let t = if number == self.probe.start {
+        let probe = self.query.probe;
+        let t = if number == probe.start {
             let mut crossings = Crossings::default();
             crossings.push(t0, 0);
             crossings.push(t1, 0);
-            crossings.drop_start(self.probe.t_self);
-            match crossings.first_within(t_min, f64::INFINITY) {
+            crossings.drop_start(probe.t_self);
+            match crossings.first_within(probe.t_min, f64::INFINITY) {
                 Some(crossing) => crossing.t,
-                None => return false,
+                None => return Control::Continue,
             }
-        } else if t0 > t_min {
+        } else if t0 > probe.t_min {
             t0
         } else {
             t1
         };
-        t > t_min
-            && self.offer(Hit {
-                t,
-                number,
-                u: 0.0,
-                v: 0.0,
-                part: 0,
-            })
-    }
-
-    /// A primitive that is in no block.
-    fn other<const ANY: bool>(&mut self, index: u32) -> Control {
-        let met = match self.level.primitive(index) {
-            Primitive::Shape(i) => self.shape(index, i),
-            Primitive::Instance(i) => {
-                let instance = &self.level.instances[i as usize];
-                let inner = &self.world.levels[instance.level as usize];
-                let ray = self.ray.transformed(&instance.inner_from_outer);
-                return self.world.search::<ANY>(
-                    inner,
-                    self.base + instance.first_number,
-                    &ray,
-                    self.probe,
-                    self.best,
-                );
-            }
-            Primitive::Triangle(i) => self.triangle(i),
-            Primitive::Sphere(i) => self.sphere(i),
-        };
-        if met && ANY {
-            Control::Stop
+        if t > probe.t_min {
+            self.offer::<ANY>(
+                index,
+                Hit {
+                    t,
+                    number,
+                    u: 0.0,
+                    v: 0.0,
+                    part: 0,
+                },
+            )
         } else {
             Control::Continue
         }
     }
 
-    fn shape(&mut self, index: u32, i: u32) -> bool {
+    /// A primitive of any kind.
+    fn other<const ANY: bool>(&mut self, index: u32) -> Control {
+        match self.level.primitive(index) {
+            Primitive::Shape(i) => self.shape::<ANY>(index, i),
+            Primitive::Instance(i) => {
+                let instance = &self.level.instances[i as usize];
+                let inner = &self.world.levels[instance.level as usize];
+                let ray = self.ray.transformed(&instance.inner_from_outer);
+                self.world
+                    .search::<ANY>(inner, self.base + instance.first_number, &ray, self.query)
+            }
+            Primitive::Triangle(i) => self.triangle::<ANY>(i),
+            Primitive::Sphere(i) => self.sphere::<ANY>(i),
+        }
+    }
+
+    fn shape<const ANY: bool>(&mut self, index: u32, i: u32) -> Control {
         let placed = &self.level.shapes[i as usize];
         let number = self.base + u64::from(index);
+        let probe = self.query.probe;
         let mut crossings = Crossings::default();
         placed
             .shape
             .crossings(&self.ray.transformed(&placed.object_from_level), &mut crossings);
-        if number == self.probe.start {
-            crossings.drop_start(self.probe.t_self);
+        if number == probe.start {
+            crossings.drop_start(probe.t_self);
         }
-        match crossings.first_within(self.probe.t_min, f64::INFINITY) {
-            Some(crossing) => self.offer(Hit {
-                t: crossing.t,
-                number,
-                u: 0.0,
-                v: 0.0,
-                part: crossing.part,
-            }),
-            None => false,
+        match crossings.first_within(probe.t_min, f64::INFINITY) {
+            Some(Crossing { t, part }) => self.offer::<ANY>(
+                index,
+                Hit {
+                    t,
+                    number,
+                    u: 0.0,
+                    v: 0.0,
+                    part,
+                },
+            ),
+            None => Control::Continue,
         }
     }
 }
