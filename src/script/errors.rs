@@ -294,13 +294,16 @@ fn unknown_property(message: &str) -> Diagnostic {
     let [_, name, middle, kind, ..] = quoted_parts.as_slice() else {
         return script(uncapitalized(message));
     };
-    let verb = if middle.contains("setter") {
-        "can be set"
-    } else {
-        "is known"
-    };
-    let d = script(format!("no property {name} of {} {verb}", kind_name(kind)));
-    match kind_name(kind).as_str() {
+    let kind = kind_name(kind);
+    if middle.contains("setter") {
+        let d = script(format!("property {name} of {kind} cannot be set to this"));
+        return match kind.as_str() {
+            "a vector" => d.hint("a vector has .x .y .z, which are numbers"),
+            _ => d,
+        };
+    }
+    let d = script(format!("{kind} has no property {name}"));
+    match kind.as_str() {
         "a vector" => d.hint("a vector has .x .y .z"),
         "an image" => d.hint("an image has .width and .height, and .pixel(x, y)"),
         "an array" if *name == "x" || *name == "y" || *name == "z" => {
@@ -323,9 +326,15 @@ fn parse_message(error: &ParseErrorType, pos: Position, text: &str, context: &Co
             script(format!("no module is imported as {name}")).hint(format!("import \"{name}\" as {name};"))
         }
         P::MissingToken(token, why) => missing_token(token, why),
-        P::Reserved(word) => {
+        P::Reserved(word) if word == "#" => script("'#' begins nothing").hint("comments begin with //"),
+        P::Reserved(word) if rhai::is_valid_identifier(word) => {
             script(format!("'{word}' is a reserved word")).hint("give the variable another name")
         }
+        P::Reserved(symbol) => script(format!("'{symbol}' has no meaning here")),
+        P::PropertyExpected => match names::word_at(text, pos) {
+            word @ ("eval" | "curry") => not_available(word),
+            _ => script("expected the name of a property or a method"),
+        },
         P::UnknownOperator(op) => {
             let d = script(format!("there is no operator '{op}'"));
             match op.as_str() {
@@ -355,11 +364,14 @@ fn parse_message(error: &ParseErrorType, pos: Position, text: &str, context: &Co
                 "the function {name} with {n} parameter{plural} is defined twice"
             ))
         }
-        P::MismatchedType(wanted, given) => script(format!(
-            "expected {}, not {}",
-            kind_name(wanted),
-            kind_name(given)
-        )),
+        P::MismatchedType(wanted, given) => {
+            let d = script(format!("expected {wanted}, not {given}"));
+            match wanted.as_str() {
+                "an iterable value" => d.hint("a range 0..10 runs from 0 to 9"),
+                "a boolean expression" => d.hint("compare: x != 0"),
+                _ => d,
+            }
+        }
         P::WrongDocComment => {
             script("a /// comment can only stand before a function").hint("write // instead")
         }
@@ -367,8 +379,19 @@ fn parse_message(error: &ParseErrorType, pos: Position, text: &str, context: &Co
     }
 }
 
+fn not_available(word: &str) -> Diagnostic {
+    script(format!("{word} is not available in scene scripts"))
+}
+
 fn missing_token(token: &str, why: &str) -> Diagnostic {
     let why = why.trim();
+    if let (",", Some(function)) = (
+        token,
+        why.strip_prefix("to separate the arguments to function call "),
+    ) {
+        let function = function.trim_matches('\'');
+        return script(format!("expected ',' or ')' after an argument of {function}"));
+    }
     let d = script(match why {
         "" => format!("expected '{token}'"),
         _ => format!("expected '{token}' {why}"),
@@ -382,9 +405,7 @@ fn missing_token(token: &str, why: &str) -> Diagnostic {
 fn lex_message(error: &LexError) -> Diagnostic {
     match error {
         LexError::Runtime(message) => Diagnostic::error(ErrorKind::Limit, message),
-        LexError::ImproperSymbol(symbol, _) if symbol == "eval" || symbol == "curry" => {
-            script(format!("{symbol} is not available in scene scripts"))
-        }
+        LexError::ImproperSymbol(symbol, _) if symbol == "eval" || symbol == "curry" => not_available(symbol),
         LexError::ImproperSymbol(_, why) if !why.is_empty() => script(uncapitalized(why)),
         LexError::UnterminatedString => {
             script("the string is not closed").hint("a string over several lines stands in backticks: `...`")

@@ -177,11 +177,15 @@ pub(super) fn unknown_variable(name: &str, pos: Position, text: &str) -> Diagnos
         ));
     }
     let known = declared.all.iter().map(String::as_str).chain(CONSTANTS);
-    if let Some(near) = nearest_names(name, known.filter(|n| *n != name)).first() {
+    // Any two words of a letter or two are near one another.
+    let long = name.chars().count() > 2;
+    let known = known.filter(|n| *n != name && (long || n.eq_ignore_ascii_case(name)));
+    if let Some(near) = nearest_names(name, known).first() {
         return d.hint(format!("did you mean {near}?"));
     }
     let functions = entries().map(|e| e.name);
-    if let Some(near) = nearest_names(name, functions).first()
+    if long
+        && let Some(near) = nearest_names(name, functions).first()
         && let Some(entry) = entry(near)
     {
         return d.hint(format!("did you mean the function {}?", entry.usage));
@@ -200,6 +204,16 @@ fn line_before(text: &str, pos: Position) -> &str {
         .nth(pos.position().unwrap_or(1).saturating_sub(1))
         .map_or(line.len(), |(i, _)| i);
     &line[..end]
+}
+
+/// The word that begins at `pos`.
+pub(super) fn word_at(text: &str, pos: Position) -> &str {
+    let line = text.lines().nth(pos.line().unwrap_or(1) - 1).unwrap_or("");
+    let rest = &line[line_before(text, pos).len()..];
+    let end = rest
+        .find(|c: char| !c.is_alphanumeric() && c != '_')
+        .unwrap_or(rest.len());
+    &rest[..end]
 }
 
 /// What a text declares, found by looking over its tokens: good enough for a hint.

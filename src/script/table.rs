@@ -257,7 +257,6 @@ impl std::fmt::Debug for Entry {
 }
 
 /// Every function of the language, in the order of the reference.
-#[must_use]
 pub fn entries() -> impl Iterator<Item = &'static Entry> {
     api::ALL.iter().flat_map(|list| list.iter())
 }
@@ -272,3 +271,124 @@ pub fn entry(name: &str) -> Option<&'static Entry> {
 
 /// The result of a function that returns nothing.
 pub(super) const DONE: Outcome = Ok(Dynamic::UNIT);
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::{
+        host::{Host, HostError},
+        limits::Limits,
+        render::Image,
+        script::{RunOptions, Script},
+    };
+
+    /// Takes pictures and has the files that the examples name.
+    struct Gallery;
+
+    impl Host for Gallery {
+        fn read(&self, path: &str, _: u64) -> Result<Vec<u8>, HostError> {
+            let found = match path {
+                "tetrahedron.obj" => {
+                    b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n".to_vec()
+                }
+                "wood.png" => png(),
+                _ => {
+                    let what = format!("no such file: {path}");
+                    return Err(HostError::new(crate::diag::ErrorKind::Input, what));
+                }
+            };
+            Ok(found)
+        }
+
+        fn write_image(&self, _: &str, _: &Image) -> Result<(), HostError> {
+            Ok(())
+        }
+    }
+
+    fn png() -> Vec<u8> {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        image::RgbImage::from_pixel(2, 2, image::Rgb([120, 80, 40]))
+            .write_to(&mut bytes, image::ImageFormat::Png)
+            .unwrap();
+        bytes.into_inner()
+    }
+
+    fn runs(source: &str) {
+        // Small: what is tested is that the script is right, not how it looks.
+        let options = RunOptions {
+            size: Some((16, 12)),
+            ..RunOptions::default()
+        };
+        let script = Script::compile("example.rhai", source, &Limits::default());
+        let run = script.and_then(|s| s.run(&Gallery, &options));
+        if let Err(e) = run {
+            panic!("{e}\n{source}");
+        }
+    }
+
+    #[test]
+    fn names_are_unique() {
+        let mut seen = BTreeSet::new();
+        for entry in entries() {
+            assert!(seen.insert(entry.name), "{} is there twice", entry.name);
+        }
+        for entry in entries() {
+            for also in entry.also {
+                assert!(
+                    !seen.contains(also),
+                    "{also} is a name of its own and of {}",
+                    entry.name
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn everything_is_documented() {
+        for entry in entries() {
+            let name = entry.name;
+            assert!(entry.doc.ends_with(['.', ')', '!']), "{name}: {:?}", entry.doc);
+            assert!(entry.usage.contains(name), "{name}: usage {:?}", entry.usage);
+            assert!(entry.example.contains(name), "{name}: example");
+            for param in entry.forms.iter().copied().flatten() {
+                assert!(
+                    !param.unit.is_empty() && !param.doc.is_empty(),
+                    "{name}: {}",
+                    param.name
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn every_example_runs() {
+        for entry in entries() {
+            runs(entry.example);
+        }
+    }
+
+    #[test]
+    fn every_usage_runs() {
+        for entry in entries() {
+            let before = match entry.name {
+                "popTransform" => "pushTransform(); ",
+                "instance" => "define \"car\" { sphere(0, 0, 0, 1); } ",
+                "pixel" => "let picture = render(); ",
+                _ => "",
+            };
+            runs(&format!("{before}{};", entry.usage));
+        }
+    }
+
+    #[test]
+    fn a_vector_counts_for_one_argument_or_three() {
+        let arities = |name| entry(name).unwrap().arities();
+        assert_eq!(arities("sphere"), [2, 4]);
+        assert_eq!(arities("scale"), [1, 3]);
+        assert_eq!(arities("camera"), [4, 6, 8, 10]);
+        assert_eq!(arities("tri"), [3, 5, 6, 7, 8, 9, 10, 12, 14, 16, 18]);
+        assert_eq!(arities("log"), [1, 2]);
+    }
+}

@@ -96,15 +96,16 @@ impl ScriptError {
         self
     }
 
-    /// As the engine carries it. What a script must not catch ends the run at once.
+    /// As [`ScriptError::raise`], for a place known better than by the engine.
     #[cold]
     pub(crate) fn raise_in(mut self: Box<Self>, source: Option<&str>, pos: Position) -> Box<EvalAltResult> {
         self.place = Some((source.map(str::to_owned), pos));
         self.raise(pos)
     }
 
-    /// As [`ScriptError::raise_in`], in the file the engine is in.
+    /// As the engine carries it. What a script must not catch ends the run at once.
     #[cold]
+    #[expect(clippy::boxed_local, reason = "errors travel in boxes")]
     pub(crate) fn raise(self: Box<Self>, pos: Position) -> Box<EvalAltResult> {
         let ends_the_run = matches!(
             self.kind,

@@ -242,13 +242,13 @@ pub(super) const ENTRIES: &[Entry] = &[
         Some,
         f64::round
     ),
-    Entry::pure(Group::Maths, "min", |call| extreme(call, |a, b| a <= b))
+    Entry::pure(Group::Maths, "min", |call| extreme(call, i64::min, |a, b| a <= b))
         .takes(&[&[X, Y]])
         .returns("int | float")
         .doc("The smaller of two numbers.")
         .usage("min(1, 2)")
         .example("print(min(1, 2.5));"),
-    Entry::pure(Group::Maths, "max", |call| extreme(call, |a, b| a >= b))
+    Entry::pure(Group::Maths, "max", |call| extreme(call, i64::max, |a, b| a >= b))
         .takes(&[&[X, Y]])
         .returns("int | float")
         .doc("The greater of two numbers.")
@@ -318,17 +318,29 @@ fn sign(x: f64) -> f64 {
     if x == 0.0 { 0.0 } else { x.signum() }
 }
 
-/// The one of two numbers that `first` prefers, as the kind it is.
-fn extreme(call: &mut Call<'_, '_>, first: impl Fn(f64, f64) -> bool) -> Outcome {
+/// Ints as they are, where all of them are ints.
+fn all_ints<const N: usize>(values: [&Dynamic; N]) -> Option<[i64; N]> {
+    let mut ints = [0; N];
+    for (to, from) in ints.iter_mut().zip(values) {
+        *to = from.as_int().ok()?;
+    }
+    Some(ints)
+}
+
+/// The one of two numbers that is preferred: an int of ints, a float elsewhere, so that a quotient of the
+/// result is no surprise.
+fn extreme(
+    call: &mut Call<'_, '_>,
+    of_ints: fn(i64, i64) -> i64,
+    of_floats: fn(f64, f64) -> bool,
+) -> Outcome {
     let (a, b) = (call.any()?, call.any()?);
     call.end()?;
-    // Ints compare as ints: beyond 2^53 they differ where their floats do not.
-    if let (Ok(i), Ok(j)) = (a.as_int(), b.as_int()) {
-        let smaller_first = first(0.0, 1.0);
-        return Ok(Dynamic::from(if (i <= j) == smaller_first { i } else { j }));
+    if let Some([a, b]) = all_ints([a, b]) {
+        return Ok(Dynamic::from(of_ints(a, b)));
     }
     let (x, y) = (call.number_like("x", a)?, call.number_like("y", b)?);
-    Ok(if first(x, y) { a.clone() } else { b.clone() })
+    Ok(Dynamic::from(if of_floats(x, y) { x } else { y }))
 }
 
 fn clamp(call: &mut Call<'_, '_>) -> Outcome {
@@ -344,11 +356,14 @@ fn clamp(call: &mut Call<'_, '_>) -> Outcome {
             "least must not exceed most, but {lo} is not at most {hi}"
         )));
     }
-    Ok(if v < lo {
-        least.clone()
+    if let Some([x, least, most]) = all_ints([x, least, most]) {
+        return Ok(Dynamic::from(x.clamp(least, most)));
+    }
+    Ok(Dynamic::from(if v < lo {
+        lo
     } else if v > hi {
-        most.clone()
+        hi
     } else {
-        x.clone()
-    })
+        v
+    }))
 }

@@ -10,8 +10,8 @@ fn wrong(message: String) -> Box<EvalAltResult> {
 
 /// A float's whole part as an int.
 fn to_int(x: f64) -> Raised<i64> {
-    // 2^63 is a float, 2^63 - 1 is none.
-    if x >= -9_223_372_036_854_775_808.0 && x < 9_223_372_036_854_775_808.0 {
+    // 2^63 is a float, 2^63 - 1 is none: the upper end is left out.
+    if (-9_223_372_036_854_775_808.0..9_223_372_036_854_775_808.0).contains(&x) {
         return Ok(x as i64);
     }
     Err(wrong(format!("{x} is no int")))

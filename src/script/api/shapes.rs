@@ -1,12 +1,23 @@
 //! Shapes.
 
+use std::sync::Arc;
+
+use rhai::Array;
+
 use super::{number, vec3};
-use crate::script::{
-    call::Call,
-    session::State,
-    table::{DONE, Entry, Group},
-    value::Outcome,
+use crate::{
+    math::DVec3,
+    script::{
+        call::Call,
+        session::State,
+        table::{DONE, Entry, Group, Kind, Param},
+        value::Outcome,
+    },
+    shape::{Cone, Cuboid, Cylinder, Disk, Plane, Polygon, Shape, Torus},
 };
+
+const RADIUS: Param = number("radius", "object units", "greater than 0");
+const HEIGHT: Param = number("height", "object units", "greater than 0");
 
 pub(super) const ENTRIES: &[Entry] = &[
     Entry::scene(Group::Shapes, "sphere", sphere)
@@ -38,6 +49,63 @@ pub(super) const ENTRIES: &[Entry] = &[
         .usage("tri([0, 0, 0], [1, 0, 0], [0, 1, 0])")
         .example("light([1, 2, 5], [1, 1, 1]);\ndiffuse(0.2, 0.5, 0.9);\ntri([-1, -1, 0], [1, -1, 0], [0, 1, 0]);\ntri([1, -1, 0], [2, -1, 0], [2, 1, -1], [0, 0, 1], [1, 0, 1], [1, 1, 1]);")
         .also(&["triangle", "face"]),
+    Entry::scene(Group::Shapes, "box", cuboid)
+        .takes(&[
+            &[],
+            &[
+                number("w", "object units", "edge along x, greater than 0"),
+                number("h", "object units", "edge along y"),
+                number("d", "object units", "edge along z"),
+            ],
+        ])
+        .doc("A box centered at the origin; without arguments the unit cube, which scale(w, h, d) gives its size.")
+        .usage("box(1, 2, 0.5)")
+        .example("light([3, 4, 5], [1, 1, 1]);\ndiffuse(0.8, 0.6, 0.2);\nrotate(1, 1, 0, 30);\nbox(1, 1.5, 1);")
+        .also(&["cube", "cuboid", "brick", "block"]),
+    Entry::scene(Group::Shapes, "cylinder", cylinder)
+        .takes(&[&[], &[RADIUS, HEIGHT]])
+        .doc("A closed cylinder around Y, centered at the origin; without arguments of radius 0.5 and height 1.")
+        .usage("cylinder(0.5, 1)")
+        .example("light([3, 4, 5], [1, 1, 1]);\ndiffuse(0.3, 0.6, 0.8);\nrotate(1, 0, 0, 30);\ncylinder(0.6, 1.8);")
+        .also(&["tube", "pillar"]),
+    Entry::scene(Group::Shapes, "cone", cone)
+        .takes(&[&[], &[RADIUS, HEIGHT]])
+        .doc("A closed cone around Y, its apex up, from y = -height / 2 to height / 2; without arguments of radius 0.5 and height 1.")
+        .usage("cone(0.5, 1)")
+        .example("light([3, 4, 5], [1, 1, 1]);\ndiffuse(0.3, 0.8, 0.4);\ncone(0.8, 2);"),
+    Entry::scene(Group::Shapes, "disk", disk)
+        .takes(&[&[], &[RADIUS]])
+        .doc("A flat disk in y = 0, its front up; without arguments of radius 0.5.")
+        .usage("disk(0.5)")
+        .example("light([3, 4, 5], [1, 1, 1]);\ndiffuse(0.8, 0.3, 0.5);\nrotate(1, 0, 0, 40);\ndisk(1.2);")
+        .also(&["circle"]),
+    Entry::scene(Group::Shapes, "torus", torus)
+        .takes(&[
+            &[],
+            &[
+                number("major", "object units", "from the middle to the middle of the tube"),
+                number("minor", "object units", "radius of the tube, less than major"),
+            ],
+        ])
+        .doc("A ring around Y; without arguments major 0.375 and minor 0.125, which fits the unit cube.")
+        .usage("torus(0.375, 0.125)")
+        .example("light([3, 4, 5], [1, 1, 1]);\ndiffuse(0.8, 0.5, 0.2);\nrotate(1, 0, 0, 50);\ntorus(1, 0.3);")
+        .also(&["ring", "donut", "doughnut"]),
+    Entry::scene(Group::Shapes, "plane", plane)
+        .doc("The endless plane y = 0, its front up.")
+        .usage("plane()")
+        .example("light([3, 4, 5], [1, 1, 1]);\ndiffuse(checker(\"#fff\", \"#555\", 1));\ntranslate(0, -1, 0);\nplane();")
+        .also(&["ground"]),
+    Entry::scene(Group::Shapes, "polygon", polygon)
+        .takes(&[&[Param::new(
+            "points",
+            Kind::Array,
+            "object units",
+            "at least 3 points in one plane, in order around the outline; concave is fine",
+        )]])
+        .doc("A flat polygon; counter-clockwise is the front.")
+        .usage("polygon([[0, 0, 0], [1, 0, 0], [0, 1, 0]])")
+        .example("light([1, 2, 5], [1, 1, 1]);\ndiffuse(0.9, 0.7, 0.1);\nlet points = [];\nfor i in 0..10 {\n  let r = if i % 2 == 0 { 1.5 } else { 0.6 };\n  let a = radians(90 + i * 36);\n  points.push([r * cos(a), r * sin(a), 0]);\n}\npolygon(points);"),
 ];
 
 fn sphere(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
@@ -57,5 +125,86 @@ fn tri(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     };
     call.end()?;
     state.builder.triangle(positions, normals)?;
+    DONE
+}
+
+fn cuboid(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let size = if call.rest() > 0 {
+        DVec3::new(call.number("w")?, call.number("h")?, call.number("d")?)
+    } else {
+        DVec3::ONE
+    };
+    call.end()?;
+    state.builder.shape(Shape::Cuboid(Cuboid::new(size)?))?;
+    DONE
+}
+
+/// Radius and height, or those that fit the unit cube.
+fn radius_and_height(call: &mut Call<'_, '_>) -> Outcome<(f64, f64)> {
+    let both = if call.rest() > 0 {
+        (call.number("radius")?, call.number("height")?)
+    } else {
+        (0.5, 1.0)
+    };
+    call.end()?;
+    Ok(both)
+}
+
+fn cylinder(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let (radius, height) = radius_and_height(call)?;
+    state
+        .builder
+        .shape(Shape::Cylinder(Cylinder::new(radius, height)?))?;
+    DONE
+}
+
+fn cone(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let (radius, height) = radius_and_height(call)?;
+    state.builder.shape(Shape::Cone(Cone::new(radius, height)?))?;
+    DONE
+}
+
+fn disk(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let radius = if call.rest() > 0 {
+        call.number("radius")?
+    } else {
+        0.5
+    };
+    call.end()?;
+    state.builder.shape(Shape::Disk(Disk::new(radius)?))?;
+    DONE
+}
+
+fn torus(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let (major, minor) = if call.rest() > 0 {
+        (call.number("major")?, call.number("minor")?)
+    } else {
+        (0.375, 0.125)
+    };
+    call.end()?;
+    state.builder.shape(Shape::Torus(Torus::new(major, minor)?))?;
+    DONE
+}
+
+fn plane(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    call.end()?;
+    state.builder.shape(Shape::Plane(Plane))?;
+    DONE
+}
+
+fn polygon(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let given = call.any()?;
+    call.end()?;
+    let Some(array) = given.read_lock::<Array>() else {
+        return Err(call.wrong_kind("points", "an array of points", given));
+    };
+    let points: Outcome<Vec<DVec3>> = array
+        .iter()
+        .enumerate()
+        .map(|(i, p)| call.vec3_from(&format!("points[{i}]"), p))
+        .collect();
+    state
+        .builder
+        .shape(Shape::Polygon(Arc::new(Polygon::new(points?)?)))?;
     DONE
 }

@@ -8,7 +8,7 @@ use crate::{
     script::{
         call::{Call, number_of},
         table::{Entry, Group, Param},
-        value::Outcome,
+        value::{Outcome, ScriptError},
     },
 };
 
@@ -17,7 +17,14 @@ const B: Param = vec3("b", "none", "another");
 
 pub(super) const ENTRIES: &[Entry] = &[
     Entry::pure(Group::Vectors, "vec3", |call| vector(call, "v", |v| v))
-        .takes(&[&[vec3("v", "none", "its components, or an array of three numbers")]])
+        .takes(&[
+            &[
+                number("x", "none", "component along x"),
+                number("y", "none", "component along y"),
+                number("z", "none", "component along z"),
+            ],
+            &[vec3("v", "none", "a vector or an array of three numbers")],
+        ])
         .returns("vec3")
         .doc("A vector with + - * / (with vectors and numbers, component by component), unary -, ==, .x .y .z and v[0] v[1] v[2]. Arrays of three numbers may stand beside it: vec3(1, 2, 3) + [1, 0, 0].")
         .usage("vec3(1, 2, 3)")
@@ -218,6 +225,8 @@ fn component(v: &mut DVec3, i: i64) -> Raised<&mut f64> {
         0 | -3 => Ok(&mut v.x),
         1 | -2 => Ok(&mut v.y),
         2 | -1 => Ok(&mut v.z),
-        _ => Err(Box::new(EvalAltResult::ErrorArrayBounds(3, i, Position::NONE))),
+        _ => Err(ScriptError::new(format!("a vector has no component {i}"))
+            .hint("its components are [0], [1] and [2], or .x, .y and .z")
+            .raise(Position::NONE)),
     }
 }
