@@ -18,6 +18,9 @@ pub(crate) struct Probe {
     t_min: f64,
     /// A crossing of the start's own primitive this near to the start is the start.
     t_self: f64,
+    /// As `t_min`, for the start's own primitive: where the ray leaves along a tangent, its two crossings are only
+    /// known to the square root of rounding.
+    t_min_self: f64,
     /// Number of the primitive the ray starts on, or [`Probe::NOWHERE`].
     start: u64,
 }
@@ -31,6 +34,7 @@ impl Probe {
             ray,
             t_min: 0.0,
             t_self: 0.0,
+            t_min_self: 0.0,
             start: Self::NOWHERE,
         }
     }
@@ -46,6 +50,7 @@ impl Probe {
             ray,
             t_min: 1e-10 * scale,
             t_self: 1e-5 * scale,
+            t_min_self: 1e-7 * scale,
             start,
         }
     }
@@ -332,7 +337,7 @@ impl LevelSearch<'_, '_, '_> {
             crossings.push(t0, 0);
             crossings.push(t1, 0);
             crossings.drop_start(probe.t_self);
-            match crossings.first_within(probe.t_min, f64::INFINITY) {
+            match crossings.first_within(probe.t_min_self, f64::INFINITY) {
                 Some(crossing) => crossing.t,
                 None => return Control::Continue,
             }
@@ -381,10 +386,12 @@ impl LevelSearch<'_, '_, '_> {
         placed
             .shape
             .crossings(&self.ray.transformed(&placed.object_from_level), &mut crossings);
+        let mut t_min = probe.t_min;
         if number == probe.start {
             crossings.drop_start(probe.t_self);
+            t_min = probe.t_min_self;
         }
-        match crossings.first_within(probe.t_min, f64::INFINITY) {
+        match crossings.first_within(t_min, f64::INFINITY) {
             Some(Crossing { t, part }) => self.offer::<ANY>(
                 index,
                 Hit {
