@@ -1,9 +1,4 @@
 //! The closed cone.
-//!
-//! Pose: centered at the origin, axis Y, apex up at (0, height/2, 0), base at y = -height/2. Parameters: radius of
-//! the base and full height in object units. Solid. Parts: 0 the side, 1 the base. Normals outwards; at the very
-//! apex, +Y. uv: on the side u once around Y from -Z over -X to +Z at 0.5 and on over +X, v from the base (0) to the
-//! apex (1); the base shows the disk cut out of the picture, unmirrored from below, +X to the right.
 
 use super::{Crossings, Solidity, Surface, cap_uv, positive, span::Span, u_around_y};
 use crate::{
@@ -11,7 +6,14 @@ use crate::{
     scene::SceneError,
 };
 
-/// A closed cone around Y, centered at the origin, apex up.
+/// A closed cone centered at the origin, axis Y: apex at y = +height/2, base at y = -height/2.
+///
+/// Parameters: radius of the base and full height in object units. Solid. Normals outwards; at the very
+/// apex, +Y. Parts: 0 the side, 1 the base.
+///
+/// uv: on the side, u once around Y as on the sphere, from -Z over -X to +Z at 0.5 and on over +X, and v from
+/// the base (0) to the apex (1); the base shows the disk cut out of the picture, unmirrored from below, +X to
+/// the right.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone {
     radius: f64,
@@ -63,13 +65,13 @@ impl Cone {
         }
     }
 
-    /// Where the line is inside the endless cone below the apex, or inside the mirror cone above it: within the
-    /// slab of the solid only the former can be.
+    /// Where the line is inside the endless cone below the apex, or inside the mirror cone above it: within
+    /// the slab of the solid only the former can be.
     ///
-    /// In coordinates that make it the unit cone, `w` downwards from the apex, the inside is <p, p> <= 0 for the
-    /// product <p, q> = px qx + pz qz - pw qw. The discriminant <o, d>^2 - <o, o> <d, d> is a sum of squared 2 x 2
-    /// minors with the signs of that product (Lagrange's identity), which unlike the difference does not cancel
-    /// as the origin moves along the line.
+    /// In coordinates that make it the unit cone, `w` downwards from the apex, the inside is <p, p> <= 0 for
+    /// the product <p, q> = px qx + pz qz - pw qw. The discriminant <o, d>^2 - <o, o> <d, d> is a sum of
+    /// squared 2 x 2 minors with the signs of that product (Lagrange's identity), which unlike the
+    /// difference does not cancel as the origin moves along the line.
     #[inline]
     fn inside_side(&self, ray: &Ray) -> Option<Span> {
         let (r, h) = (self.radius, self.height);
@@ -104,8 +106,8 @@ impl Cone {
                 std::cmp::Ordering::Equal => Span::line_if(c <= 0.0),
             };
         }
-        // Steeper than the side: the line is inside one cone up to t0 and inside the other from t1 on, and the
-        // lower cone is where the line goes down.
+        // Steeper than the side: the line is inside one cone up to t0 and inside the other from t1 on, and
+        // the lower cone is where the line goes down.
         if d.y > 0.0 {
             Span::new(t1 + shift, f64::INFINITY, SIDE)
         } else {

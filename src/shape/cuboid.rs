@@ -1,9 +1,4 @@
 //! The box (a word Rust keeps for itself).
-//!
-//! Pose: centered at the origin, edges along the axes. Parameters: full edge lengths along X, Y and Z in object
-//! units. Solid. Parts: the faces -X, +X, -Y, +Y, -Z, +Z, counted from 0. Normals outwards, unit length.
-//! uv: each face shows the whole picture upright and unmirrored to one who looks at it from outside with Y up;
-//! on top and bottom, +X is to the right.
 
 use super::{Crossings, Solidity, Surface, positive, span::Span};
 use crate::{
@@ -11,7 +6,13 @@ use crate::{
     scene::SceneError,
 };
 
-/// A box around the origin. See `Cuboid::surface` for the layout of its faces.
+/// A box around the origin, edges along the axes.
+///
+/// Parameters: its full edge lengths along X, Y and Z in object units. Solid. Normals outwards, unit length.
+/// Parts: the faces -X, +X, -Y, +Y, -Z, +Z, counted from 0.
+///
+/// uv: each face shows the whole picture, upright and unmirrored to one who looks at it from outside with Y
+/// up; on top and bottom, +X is to the right.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
     half: DVec3,

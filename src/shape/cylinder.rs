@@ -1,10 +1,4 @@
 //! The closed cylinder.
-//!
-//! Pose: centered at the origin, axis Y. Parameters: radius and full height in object units. Solid. Parts:
-//! 0 the side, 1 the cap at -height/2, 2 the cap at +height/2. Normals outwards.
-//! uv: on the side as on the sphere, u once around Y from -Z over -X to +Z at 0.5 and on over +X, v from the lower
-//! rim (0) to the upper (1); each cap shows the disk cut out of the picture, unmirrored from outside, +X to the
-//! right.
 
 use super::{Crossings, Solidity, Surface, cap_uv, positive, span::Span, u_around_y};
 use crate::{
@@ -12,7 +6,14 @@ use crate::{
     scene::SceneError,
 };
 
-/// A closed cylinder around Y, centered at the origin.
+/// A closed cylinder centered at the origin, axis Y.
+///
+/// Parameters: radius and full height in object units. Solid. Normals outwards. Parts: 0 the side, 1 the cap
+/// at -height/2, 2 the cap at +height/2.
+///
+/// uv: on the side, u once around Y as on the sphere, from -Z over -X to +Z at 0.5 and on over +X, and v from
+/// the lower rim (0) to the upper (1); each cap shows the disk cut out of the picture, unmirrored from
+/// outside, +X to the right.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder {
     radius: f64,
@@ -65,12 +66,13 @@ impl Cylinder {
     }
 
     /// Where the line is inside the endless cylinder: the sphere's roots, one dimension down. The distance
-    /// between line and axis comes from the cross product, so a far origin costs no more than its own rounding.
+    /// between line and axis comes from the cross product, so a far origin costs no more than its own
+    /// rounding.
     #[inline]
     fn inside_side(&self, ray: &Ray) -> Option<Span> {
         let (o, d, r) = (ray.origin, ray.dir, self.radius);
-        // A line that leaves the axis by less than 1e-30 of the radius over the height is parallel to it. Where
-        // it is then is asked at y = 0, since the origin may be far away.
+        // A line that leaves the axis by less than 1e-30 of the radius over the height is parallel to it.
+        // Where it is then is asked at y = 0, since the origin may be far away.
         if d.x.abs().max(d.z.abs()) * self.height <= 1e-30 * r * d.y.abs() {
             let s = o.y / d.y;
             let (x, z) = (o.x - d.x * s, o.z - d.z * s);

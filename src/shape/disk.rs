@@ -1,7 +1,4 @@
 //! The disk.
-//!
-//! Pose: centered at the origin in the plane y = 0. Parameter: radius in object units. Not solid. Front and normal
-//! +Y. uv: the disk cut out of the picture, unmirrored from above, +X to the right and -Z up.
 
 use super::{Crossings, Solidity, Surface, cap_uv, plane::t_at_y0, positive};
 use crate::{
@@ -9,7 +6,11 @@ use crate::{
     scene::SceneError,
 };
 
-/// A disk in y = 0 around the origin, facing up.
+/// A disk in y = 0 around the origin.
+///
+/// Parameter: radius in object units. Not solid. Front and normal +Y.
+///
+/// uv: the disk cut out of the picture, unmirrored from above, +X to the right and -Z up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disk {
     radius: f64,

@@ -11,6 +11,7 @@ mod cone;
 mod cuboid;
 mod cylinder;
 mod disk;
+mod planar;
 mod plane;
 mod polygon;
 mod span;
@@ -43,7 +44,8 @@ use crate::{
 pub struct Crossing {
     /// Ray parameter.
     pub t: f64,
-    /// Which part of the surface: a face of a box, the side or a cap of a cylinder; 0 where there is one part.
+    /// Which part of the surface: a face of a box, the side or a cap of a cylinder; 0 where there is one
+    /// part.
     pub part: u8,
 }
 
@@ -119,6 +121,21 @@ pub struct Surface {
 macro_rules! shapes {
     ($($(#[$doc:meta])* $name:ident($inner:ty) = $text:literal;)*) => {
         /// Any shape, in its own object space.
+        ///
+        /// # Adding a shape
+        /// 1. A file of its own, beginning with its contract: pose, parameters, units, normals, uv. In it
+        ///    the type; `new`, which refuses what is no shape and names the parameter; `Solidity`; `bounds`,
+        ///    `crossings` and `surface` as the others have them. The usual pose is centered at the origin,
+        ///    axis Y, within the unit cube by default.
+        /// 2. A line in `shapes!` of `shape/mod.rs`. Large ones go there in an [`Arc`], so that an object
+        ///    stays small.
+        /// 3. Its lines in `shape/suite`, which tests what all shapes promise.
+        /// 4. Its entry in `script/api/shapes.rs`, and a scene in `tests/scenes/shapes`.
+        ///
+        /// What `crossings` promises: *all* crossings of the whole line, an even number where the shape is
+        /// solid. Directions are of any length and `t` counts multiples of them, so nothing may be compared
+        /// with an absolute epsilon. A ray with a number that is not finite, or without direction, crosses
+        /// nothing.
         #[derive(Clone, Debug, PartialEq)]
         pub enum Shape {
             $($(#[$doc])* $name($inner),)*
@@ -190,7 +207,8 @@ impl<T: Solidity> Solidity for Arc<T> {
     const SOLID: bool = T::SOLID;
 }
 
-/// A length a shape may have: greater than 0 and at most 1e15, which NaN is not. `what` names it in the message.
+/// A length a shape may have: greater than 0 and at most 1e15, which NaN is not. `what` names it in the
+/// message.
 fn positive(what: &str, x: f64) -> Result<(), SceneError> {
     if x > 0.0 && x <= 1e15 {
         return Ok(());
@@ -200,8 +218,8 @@ fn positive(what: &str, x: f64) -> Result<(), SceneError> {
     )))
 }
 
-/// The u that all round shapes share: once around Y from -Z over -X to +Z at 0.5 and on over +X, so that a picture
-/// is unmirrored from outside.
+/// The u that all round shapes share: once around Y from -Z over -X to +Z at 0.5 and on over +X, so that a
+/// picture is unmirrored from outside.
 fn u_around_y(x: f64, z: f64) -> f64 {
     math::atan2(x, z) / (2.0 * PI) + 0.5
 }

@@ -1,12 +1,14 @@
 //! The endless plane.
-//!
-//! Pose: y = 0. No parameters. Not solid, no bounds. Front and normal +Y. uv: (x, -z), one repetition of the
-//! picture per object unit, unmirrored from above with +X to the right and -Z up, as on a disk or a box's top.
 
 use super::{Crossings, Solidity, Surface};
 use crate::math::{Bounds3, DVec2, DVec3, Ray};
 
-/// The plane y = 0, facing up.
+/// The endless plane y = 0.
+///
+/// No parameters. Not solid, no bounds. Front and normal +Y.
+///
+/// uv: (x, -z), one repetition of the picture per object unit, unmirrored from above with +X to the right and
+/// -Z up, as on a disk or a box's top.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Plane;
 

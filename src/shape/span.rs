@@ -1,8 +1,9 @@
 //! The part of a line inside a convex solid, as one interval.
 //!
-//! A box, a cylinder and a cone are intersections of simpler convex sets, and so is the line's part in them: clip
-//! the interval set by set and either nothing is left or exactly two ends. A rim or an edge cannot be counted
-//! once or three times by it, however the numbers round (Kay and Kajiya, "Ray Tracing Complex Scenes", 1986).
+//! A box, a cylinder and a cone are intersections of simpler convex sets, and so is the line's part in them:
+//! clip the interval set by set and either nothing is left or exactly two ends. A rim or an edge cannot be
+//! counted once or three times by it, however the numbers round (Kay and Kajiya, "Ray Tracing Complex
+//! Scenes", 1986).
 
 use super::{Crossing, Crossings};
 
@@ -41,9 +42,9 @@ impl Span {
         inside.then_some(Self::LINE)
     }
 
-    /// Where the coordinate `o + t d` lies in `[-half, half]`; the parts are those of the lower and the upper
-    /// end of the coordinate. A coordinate that stands still (`d` = 0) is inside up to and with the ends, so a
-    /// ray in the plane of a face is inside. An infinite `d` has no points.
+    /// Where the coordinate `o + t d` lies in `[-half, half]`; the parts are those of the lower and the
+    /// upper end of the coordinate. A coordinate that stands still (`d` = 0) is inside up to and with the
+    /// ends, so a ray in the plane of a face is inside. An infinite `d` has no points.
     #[inline]
     pub(super) fn slab(o: f64, d: f64, half: f64, low: u8, high: u8) -> Option<Self> {
         if d == 0.0 {
@@ -77,8 +78,8 @@ impl Span {
         (enter.t <= exit.t).then_some(Self { enter, exit })
     }
 
-    /// Adds both ends, or neither: the ray of zero direction inside a solid leaves an unbounded interval and has
-    /// no crossing.
+    /// Adds both ends, or neither: the ray of zero direction inside a solid leaves an unbounded interval and
+    /// has no crossing.
     #[inline]
     pub(super) fn push(self, out: &mut Crossings) {
         if self.enter.t.is_finite() && self.exit.t.is_finite() {

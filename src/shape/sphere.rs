@@ -6,7 +6,12 @@ use crate::{
     scene::SceneError,
 };
 
-/// A sphere. Normal outwards; u runs once around Y from -Z over -X to +Z at 0.5 and on over +X, v from the south pole (0) to the north (1).
+/// A sphere.
+///
+/// Parameters: center and radius in object units. Solid. Normals outwards.
+///
+/// uv: u runs once around Y from -Z over -X to +Z at 0.5 and on over +X, v from the south pole (0) to the
+/// north (1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
     center: DVec3,

@@ -1,10 +1,4 @@
 //! The torus.
-//!
-//! Pose: centered at the origin, around Y. Parameters: the major radius, of the circle in y = 0 that the tube
-//! follows, and the minor radius, of the tube, in object units; the minor one must not exceed the major one, since
-//! the surface would then cut through itself. Solid. Normals outwards from the tube. uv: u once around Y from -Z over
-//! -X to +Z at 0.5 and on over +X, v once around the tube, from the innermost circle (0) below to the outermost (0.5)
-//! and over the top back (1).
 
 use super::{Crossings, Solidity, Surface, positive, u_around_y};
 use crate::{
@@ -12,7 +6,14 @@ use crate::{
     scene::SceneError,
 };
 
-/// A torus around Y, centered at the origin.
+/// A torus centered at the origin, around Y.
+///
+/// Parameters in object units: the major radius, of the circle in y = 0 that the tube follows, and the minor
+/// radius, of the tube. The minor one must not exceed the major one, or the surface would cut through itself.
+/// Solid. Normals outwards from the tube.
+///
+/// uv: u once around Y as on the sphere, from -Z over -X to +Z at 0.5 and on over +X; v once around the tube,
+/// 0 at the innermost circle, 0.25 at the bottom, 0.5 at the outermost circle, 0.75 at the top.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Torus {
     major: f64,
@@ -61,14 +62,14 @@ impl Torus {
         Some(Bounds3::new(-corner, corner))
     }
 
-    /// Up to four roots of a quartic F, isolated instead of solved: between neighbouring zeros of F' (a cubic,
-    /// isolated by the zeros of F'' in turn) F is monotone, so the signs of F there tell where its roots are and
-    /// that their number is even. Everything is measured in outer radii and from the line's point nearest to the
-    /// center, which takes the cubic terms out and keeps all coefficients near 1.
+    /// Up to four roots of a quartic F, isolated instead of solved: between neighbouring zeros of F' (a
+    /// cubic, isolated by the zeros of F'' in turn) F is monotone, so the signs of F there tell where its
+    /// roots are and that their number is even. Everything is measured in outer radii and from the line's
+    /// point nearest to the center, which takes the cubic terms out and keeps all coefficients near 1.
     ///
-    /// F = (|p|^2 + R^2 - r^2)^2 - 4 R^2 (x^2 + z^2) has the sign of (rho - R)^2 + y^2 - r^2 with rho the distance
-    /// to the axis, F's factor (rho + R)^2 + y^2 - r^2 being positive; the signs and the roots are taken from that
-    /// form, which stays exact where the tube is thin.
+    /// F = (|p|^2 + R^2 - r^2)^2 - 4 R^2 (x^2 + z^2) has the sign of (rho - R)^2 + y^2 - r^2 with rho the
+    /// distance to the axis, F's factor (rho + R)^2 + y^2 - r^2 being positive; the signs and the roots are
+    /// taken from that form, which stays exact where the tube is thin.
     pub(super) fn crossings(&self, ray: &Ray, out: &mut Crossings) {
         let outer = self.major + self.minor;
         let (major, minor) = (self.major / outer, self.minor / outer);
@@ -168,9 +169,10 @@ fn cubic_roots(p: f64, q: f64, lo: f64, hi: f64) -> [Option<f64>; 3] {
     roots
 }
 
-/// The zero of `f` between `lo` and `hi`, from which `f` rises, or falls where `falling`: Newton's method, with a
-/// bisection wherever it leaves the bracket or does not halve its step (Press et al., Numerical Recipes, 9.4).
-/// `f` gives value and slope. Ends where a step is below 1e-17, the coordinates being within 1.
+/// The zero of `f` between `lo` and `hi`, from which `f` rises, or falls where `falling`: Newton's method,
+/// with a bisection wherever it leaves the bracket or does not halve its step (Press et al., Numerical
+/// Recipes, 9.4). `f` gives value and slope. Ends where a step is below 1e-17, the coordinates being within
+/// 1.
 fn root_between(f: impl Fn(f64) -> (f64, f64), mut lo: f64, mut hi: f64, falling: bool) -> f64 {
     let mut x = 0.5 * (lo + hi);
     let mut last_step = hi - lo;
@@ -199,7 +201,7 @@ fn root_between(f: impl Fn(f64) -> (f64, f64), mut lo: f64, mut hi: f64, falling
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::suite::Rng, *};
 
     fn crossings(torus: &Torus, origin: [f64; 3], dir: [f64; 3]) -> Vec<f64> {
         let mut out = Crossings::default();
@@ -209,8 +211,8 @@ mod tests {
 
     #[test]
     fn known_crossings() {
-        // Its outer radius is a power of two: nothing rounds, so even a tangent is met for certain. Where it touches
-        // is only known to the root of the rounding.
+        // Its outer radius is a power of two: nothing rounds, so even a tangent is met for certain. Where it
+        // touches is only known to the root of the rounding.
         let torus = Torus::new(3.0, 1.0).unwrap();
         let close = |found: Vec<f64>, expected: &[f64], what: &str| {
             assert_eq!(found.len(), expected.len(), "{what}: {found:?}");
@@ -256,5 +258,118 @@ mod tests {
             &[3.0, 3.0],
             "touching inside",
         );
+    }
+
+    /// Number of crossings, without algebra. The distance f from the ring changes along the line by no more
+    /// than the way gone, and its slope by no more than 1/f + 1/rho per way gone, rho being the distance
+    /// from the axis. By that an interval is known to hold no crossing, or to be crossed in one direction
+    /// only so that its ends tell; any other is halved, down to a millionth of the tube.
+    fn reference(major: f64, minor: f64, ray: &Ray) -> usize {
+        let d = ray.dir / ray.dir.length();
+        let nearest = -ray.origin.dot(d);
+        let at = |s: f64| {
+            let p = ray.origin + d * (nearest + s);
+            let rho = (p.x * p.x + p.z * p.z).sqrt();
+            let f = ((rho - major) * (rho - major) + p.y * p.y).sqrt();
+            let slope = ((rho - major) * (p.x * d.x + p.z * d.z) / rho + p.y * d.y) / f;
+            (f, slope, rho)
+        };
+        let reach = 2.0 * (major + minor);
+        let (mut count, mut inside) = (0, false);
+        let mut todo = vec![(-reach, reach)];
+        while let Some((a, b)) = todo.pop() {
+            let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
+            let (f, slope, rho) = at(middle);
+            let depth = f - minor;
+            let bend = if half < 0.5 * f.min(rho) {
+                2.0 / f + 2.0 / rho
+            } else {
+                f64::INFINITY
+            };
+            let beside = depth.abs() > half.min(half * (slope.abs() + 0.5 * bend * half));
+            let one_way = slope.abs() > bend * half;
+            if !beside && !one_way && half > 1e-6 * minor {
+                todo.extend([(middle, b), (a, middle)]);
+            } else if (at(b).0 < minor) != inside {
+                inside = !inside;
+                count += 1;
+            }
+        }
+        count
+    }
+
+    fn agrees_with_the_reference(torus: &Torus, ray: &Ray) -> usize {
+        let mut out = Crossings::default();
+        torus.crossings(ray, &mut out);
+        let found = out.as_slice().len();
+        // Closer to touching than the rounding of the ray's own numbers, either answer is right.
+        let blur = 2e-15 * (torus.major + math::max_abs(ray.origin)) + 1e-12 * torus.minor;
+        let expected = [-blur, 0.0, blur].map(|b| reference(torus.major, torus.minor + b, ray));
+        assert!(
+            expected.contains(&found),
+            "{found} crossings, not {expected:?}: {ray:?} on {torus:?}"
+        );
+        found
+    }
+
+    fn random_torus(rng: &mut Rng) -> Torus {
+        let major = rng.magnitude(-6.0, 6.0);
+        let ratio = if rng.chance(0.1) {
+            1.0
+        } else {
+            rng.magnitude(-3.0, 0.0)
+        };
+        Torus::new(major, major * ratio).unwrap()
+    }
+
+    #[test]
+    fn random_rays_cross_as_often_as_the_reference_says() {
+        let mut rng = Rng::new(21);
+        let mut seen = [0; 5];
+        for _ in 0..20_000 {
+            let torus = random_torus(&mut rng);
+            let outer = torus.major + torus.minor;
+            // Through two points near the tube, so that most rays meet it.
+            let mut near = || {
+                let u = rng.direction() * DVec3::new(1.0, 0.0, 1.0);
+                u.normalize() * torus.major + rng.in_cube() * torus.minor * 1.2
+            };
+            let (a, b) = (near(), near());
+            let d = (b - a).normalize();
+            let origin = a - d * outer * rng.within(-3.0, 10.0);
+            let ray = Ray::new(origin, d * rng.magnitude(-6.0, 6.0));
+            seen[agrees_with_the_reference(&torus, &ray)] += 1;
+        }
+        assert_eq!([seen[1], seen[3]], [0, 0]);
+        assert!(seen[0] > 500 && seen[2] > 2_000 && seen[4] > 2_000, "{seen:?}");
+    }
+
+    /// Lines beside or through a tangent of the surface by a tenth down to a billionth of the tube.
+    #[test]
+    fn grazing_rays_cross_as_often_as_the_reference_says() {
+        let mut rng = Rng::new(22);
+        let mut seen = [0; 5];
+        for _ in 0..20_000 {
+            let torus = random_torus(&mut rng);
+            let outer = torus.major + torus.minor;
+            let (u, v) = (rng.within(0.0, 2.0 * PI), rng.within(0.0, 2.0 * PI));
+            let out = DVec3::new(math::cos(u), 0.0, math::sin(u));
+            let normal = out * math::cos(v) + DVec3::Y * math::sin(v);
+            let along_tube = out.cross(DVec3::Y);
+            let around_tube = normal.cross(along_tube);
+            // Often along a principal direction, where three or all four crossings may come together.
+            let turn = [rng.within(0.0, PI), 0.0, 0.5 * PI][rng.below(3)];
+            let d = along_tube * math::cos(turn) + around_tube * math::sin(turn);
+            let side = if rng.chance(0.5) { 1.0 } else { -1.0 };
+            let beside = torus.minor * (1.0 + side * rng.magnitude(-9.0, -1.0));
+            let p = out * torus.major + normal * beside;
+            let ray = Ray::new(
+                p - d * outer * rng.within(-3.0, 10.0),
+                d * rng.magnitude(-6.0, 6.0),
+            );
+            seen[agrees_with_the_reference(&torus, &ray)] += 1;
+        }
+        assert_eq!([seen[1], seen[3]], [0, 0]);
+        assert!(seen[0] > 2_000 && seen[2] > 2_000 && seen[4] > 500, "{seen:?}");
     }
 }

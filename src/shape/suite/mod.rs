@@ -1,7 +1,7 @@
 //! What every shape promises, tested over every shape of the list with the same seeded random rays.
 //!
-//! A new shape joins by a line in [`samples`] and one in each function of [`reference`]; a test insists on the
-//! first, the compiler on the others.
+//! A new shape joins by a line in [`samples`] and one in each function of [`reference`]; a test insists on
+//! the first, the compiler on the others.
 
 mod limits;
 mod properties;
@@ -13,8 +13,8 @@ use std::sync::Arc;
 use super::{Cone, Crossing, Crossings, Cuboid, Cylinder, Disk, Plane, Polygon, Shape, Sphere, Torus};
 use crate::math::{self, DMat3, DVec2, DVec3, PI, Ray, max_abs};
 
-/// Seeded random numbers: SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number generators",
-/// 2014).
+/// Seeded random numbers: SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number
+/// generators", 2014).
 pub(super) struct Rng(u64);
 
 impl Rng {
@@ -81,7 +81,7 @@ pub(super) fn all_crossings(shape: &Shape, ray: &Ray) -> Vec<Crossing> {
 }
 
 /// An L, a star with sharp points, and a square with a square hole reached over a bridge.
-fn outlines() -> Vec<Vec<DVec2>> {
+pub(super) fn outlines() -> Vec<Vec<DVec2>> {
     let l = [(0, 0), (3, 0), (3, 1), (1, 1), (1, 4), (0, 4)];
     let star = (0..10).map(|i| {
         let (s, c) = math::sin_cos_degrees(36.0 * f64::from(i));
@@ -144,8 +144,8 @@ fn extent(shape: &Shape, s: f64) -> (f64, DVec3) {
         .map_or((s, DVec3::ZERO), |b| (max_abs(b.size()) * 0.5, b.center()))
 }
 
-/// A ray that means to meet the shape: at any point of its bounds or just beside, often exactly at an edge, a rim or
-/// the center of them, often along an axis, from near and from far, with a direction of any length.
+/// A ray that means to meet the shape: at any point of its bounds or just beside, often exactly at an edge,
+/// a rim or the center of them, often along an axis, from near and from far, with a direction of any length.
 fn random_ray(shape: &Shape, s: f64, rng: &mut Rng) -> Ray {
     let (size, center) = extent(shape, s);
     let half = shape.bounds().map_or(DVec3::splat(s), |b| b.size() * 0.5);

@@ -167,8 +167,8 @@ fn a_ray_that_starts_on_the_surface_meets_the_rest() {
     assert!(checked > 20_000, "{checked}");
 }
 
-/// No crossing is missing and none is made up: walking along the line, the reference changes sides exactly where
-/// crossings are.
+/// No crossing is missing and none is made up: walking along the line, the reference changes sides exactly
+/// where crossings are.
 #[test]
 fn a_point_is_inside_where_an_odd_number_of_crossings_lies_before_it() {
     let mut rng = Rng::new(11);

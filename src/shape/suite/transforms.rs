@@ -9,8 +9,8 @@ use super::{
 };
 use crate::math::{self, DAffine3, DMat3, DVec3, max_abs};
 
-/// Same t, however the shape came to its size and place: by its parameters, or by a matrix under which the ray is
-/// seen from a simpler one.
+/// Same t, however the shape came to its size and place: by its parameters, or by a matrix under which the
+/// ray is seen from a simpler one.
 #[test]
 fn a_transformed_ray_meets_the_shape_where_the_ray_meets_the_transformed_shape() {
     let mut rng = Rng::new(3);
