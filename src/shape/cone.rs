@@ -68,10 +68,8 @@ impl Cone {
     /// Where the line is inside the endless cone below the apex, or inside the mirror cone above it: within
     /// the slab of the solid only the former can be.
     ///
-    /// In coordinates that make it the unit cone, `w` downwards from the apex, the inside is <p, p> <= 0 for
-    /// the product <p, q> = px qx + pz qz - pw qw. The discriminant <o, d>^2 - <o, o> <d, d> is a sum of
-    /// squared 2 x 2 minors with the signs of that product (Lagrange's identity), which unlike the
-    /// difference does not cancel as the origin moves along the line.
+    /// In coordinates that make it the unit cone, `w` downwards from the apex, the inside is x^2 + z^2 <= w^2
+    /// (Eberly, "Intersection of a Line and a Cone", Geometric Tools, 2000, tells the cases).
     #[inline]
     fn inside_side(&self, ray: &Ray) -> Option<Span> {
         let (r, h) = (self.radius, self.height);
@@ -84,10 +82,7 @@ impl Cone {
         let a = d.x * d.x + d.z * d.z - d.y * d.y;
         let b = o.y * d.y - o.x * d.x - o.z * d.z;
         let c = o.x * o.x + o.z * o.z - o.y * o.y;
-        let xw = o.x * d.y - o.y * d.x;
-        let zw = o.z * d.y - o.y * d.z;
-        let xz = o.x * d.z - o.z * d.x;
-        let discriminant = xw * xw + zw * zw - xz * xz;
+        let discriminant = b * b - a * c;
         if a >= 0.0 && !(discriminant >= 0.0) {
             return None;
         }

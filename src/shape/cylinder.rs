@@ -71,12 +71,10 @@ impl Cylinder {
     #[inline]
     fn inside_side(&self, ray: &Ray) -> Option<Span> {
         let (o, d, r) = (ray.origin, ray.dir, self.radius);
-        // A line that leaves the axis by less than 1e-30 of the radius over the height is parallel to it.
-        // Where it is then is asked at y = 0, since the origin may be far away.
-        if d.x.abs().max(d.z.abs()) * self.height <= 1e-30 * r * d.y.abs() {
-            let s = o.y / d.y;
-            let (x, z) = (o.x - d.x * s, o.z - d.z * s);
-            return Span::line_if(x * x + z * z <= r * r);
+        // A line that leaves the axis by less than 1e-30 of the radius over the height is parallel to it: the
+        // squares below would vanish before they tell more.
+        if (d.x.abs() + d.z.abs()) * self.height <= 1e-30 * r * d.y.abs() {
+            return Span::line_if(o.x * o.x + o.z * o.z <= r * r);
         }
         let a = d.x * d.x + d.z * d.z;
         let b = -(o.x * d.x + o.z * d.z);

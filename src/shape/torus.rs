@@ -79,12 +79,8 @@ impl Torus {
         }
         let d = ray.dir / length;
         let far = ray.origin / outer;
-        // Twice: the second step takes away what the first left by rounding.
-        let step = -far.dot(d);
-        let near = far + d * step;
-        let rest = -near.dot(d);
-        let o = near + d * rest;
-        let shift = step + rest;
+        let shift = -far.dot(d);
+        let o = far + d * shift;
 
         let distance2 = o.dot(o);
         let reach2 = (1.0 + MARGIN) - distance2;
