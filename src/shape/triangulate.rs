@@ -3,7 +3,7 @@
 use super::planar::{flattened, newell, orient};
 use crate::math::{Bounds3, DVec2, DVec3, max_abs};
 
-/// Points tried against ears at most; a face that needs more is finished as a fan, so that no file can hang
+/// Points looked at in search of ears at most; a face that needs more is finished as a fan, so that no file can hang
 /// its reader.
 const TESTS: usize = 1 << 26;
 
