@@ -1,5 +1,7 @@
 //! The planar polygon.
 
+use std::fmt;
+
 use super::{
     Crossings, Solidity, Surface,
     planar::{crossing_edges, flattened, newell},
@@ -18,7 +20,7 @@ use crate::{
 ///
 /// uv: the picture fills the rectangle around the polygon in its plane, v up as far as the plane rises, u to
 /// the right as seen from the front; in a level plane, u runs along +X.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Polygon {
     points: Vec<DVec3>,
     /// A point of the plane, in the middle of the points.
