@@ -4,6 +4,7 @@
 //! one folder and nothing else.
 
 use std::{
+    collections::BTreeMap,
     fmt, fs,
     io::Read,
     path::{Component, Path, PathBuf},
@@ -118,6 +119,74 @@ impl Host for DirHost {
     }
 }
 
+/// Files in memory, for tests and for programs that carry their assets with them.
+///
+/// ```
+/// use rtscript::{Host, MemoryHost};
+/// let host = MemoryHost::new().with("models/a.obj", "v 0 0 0");
+/// assert_eq!(host.read("models/../models/a.obj", 100)?, b"v 0 0 0");
+/// assert!(host.read("../a.obj", 100).is_err());
+/// # Ok::<(), rtscript::HostError>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct MemoryHost {
+    files: BTreeMap<String, Vec<u8>>,
+}
+
+impl MemoryHost {
+    /// A host without files.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The same host with one file more; `path` is relative, with `/` and without `.` and `..`.
+    #[must_use]
+    pub fn with(mut self, path: &str, bytes: impl Into<Vec<u8>>) -> Self {
+        self.insert(path, bytes);
+        self
+    }
+
+    /// Adds a file, or replaces the one of that path.
+    pub fn insert(&mut self, path: &str, bytes: impl Into<Vec<u8>>) {
+        self.files.insert(path.to_owned(), bytes.into());
+    }
+}
+
+impl Host for MemoryHost {
+    fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, HostError> {
+        let denied = |why: &str| HostError::new(ErrorKind::Denied, format!("'{path}' {why}"));
+        if path.starts_with('/') {
+            return Err(denied(
+                "is an absolute path; only files below the script's folder can be read",
+            ));
+        }
+        let mut parts: Vec<&str> = Vec::new();
+        for part in path.split('/') {
+            match part {
+                "" | "." => {}
+                ".." => {
+                    parts.pop().ok_or_else(|| {
+                        denied("is outside the script's folder; only files below it can be read")
+                    })?;
+                }
+                part => parts.push(part),
+            }
+        }
+        let bytes = self
+            .files
+            .get(&parts.join("/"))
+            .ok_or_else(|| HostError::new(ErrorKind::Input, format!("cannot read '{path}': no such file")))?;
+        if bytes.len() as u64 > max_bytes {
+            return Err(HostError::new(
+                ErrorKind::Limit,
+                format!("'{path}' is larger than the limit of {max_bytes} bytes for one file"),
+            ));
+        }
+        Ok(bytes.clone())
+    }
+}
+
 /// Reads the regular file `path` below `root`.
 ///
 /// # Errors
@@ -201,6 +270,18 @@ mod tests {
         assert_eq!(resolve("models/cow.obj", "cow.mtl"), "models/cow.mtl");
         assert_eq!(resolve("scene.rhai", "a/b.png"), "a/b.png");
         assert_eq!(resolve("models/cow.mtl", "tex\\cow.png"), "models/tex/cow.png");
+    }
+
+    #[test]
+    fn memory_has_no_outside_either() {
+        let host = MemoryHost::new().with("a/b.txt", "yes");
+        assert_eq!(host.read("a/b.txt", 3).unwrap(), b"yes");
+        assert_eq!(host.read("./a//../a/b.txt", 3).unwrap(), b"yes");
+        for bad in ["../a/b.txt", "a/../../a/b.txt", "/a/b.txt"] {
+            assert_eq!(host.read(bad, 3).unwrap_err().kind, ErrorKind::Denied, "{bad}");
+        }
+        assert_eq!(host.read("a", 3).unwrap_err().kind, ErrorKind::Input);
+        assert_eq!(host.read("a/b.txt", 2).unwrap_err().kind, ErrorKind::Limit);
     }
 
     #[test]

@@ -18,7 +18,7 @@ pub mod script;
 pub mod shape;
 
 pub use diag::{Diagnostic, Error, ErrorKind, Report};
-pub use host::{DirHost, Host, HostError, NoHost};
+pub use host::{DirHost, Host, HostError, MemoryHost, NoHost};
 pub use limits::Limits;
 pub use math::DVec3;
 pub use render::{Image, RenderOptions, Rendered, render};

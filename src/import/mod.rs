@@ -8,8 +8,18 @@
     reason = "an error ends the run, so its size is paid for once"
 )]
 
+mod assembly;
+mod assets;
 mod command;
 mod course;
+mod guard;
+mod look;
+mod mtl;
+mod obj;
 mod text;
+mod texture;
+mod wavefront;
 
+pub use assets::{AssetCache, Assets};
 pub use course::{Course, load_course};
+pub use obj::load_obj;

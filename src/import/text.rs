@@ -1,6 +1,6 @@
 //! Lines, words and numbers of a text file, and where in it a word stands.
 
-use crate::{Diagnostic, ErrorKind};
+use crate::{Diagnostic, ErrorKind, diag::SourceLoc};
 
 /// A text file that is being read. Words taken from it are slices of it, so that a place need only be worked
 /// out for the few that turn out wrong.
@@ -31,6 +31,16 @@ impl<'a> Source<'a> {
         let mut diagnostic = diagnostic.at(self.name, line, column);
         diagnostic.source_line = Some(text.chars().take(400).collect());
         diagnostic
+    }
+
+    /// The place of `part`, a slice of the text, in the file with index `file`.
+    pub(super) fn loc(&self, part: &str, file: u16) -> SourceLoc {
+        let (line, column, _) = self.find(part);
+        SourceLoc {
+            line,
+            column: u16::try_from(column).unwrap_or(u16::MAX),
+            file,
+        }
     }
 
     /// Line and column of `part` from 1, and the line's text.

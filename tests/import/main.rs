@@ -4,7 +4,12 @@
     clippy::unwrap_used,
     clippy::expect_used,
     clippy::panic,
-    reason = "a test that fails panics"
+    clippy::result_large_err,
+    reason = "a test that fails panics, and nobody waits for its errors"
 )]
 
+mod bad_obj;
 mod course;
+mod obj;
+mod pictures;
+mod texture;

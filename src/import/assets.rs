@@ -1,0 +1,137 @@
+//! The files that a scene names: read through the host, counted, each decoded once.
+
+use std::{collections::BTreeMap, fmt, sync::Arc};
+
+use super::texture;
+use crate::{
+    Diagnostic, ErrorKind, Host, Limits, SceneError,
+    scene::{Mesh, Texture},
+};
+
+/// What has been read so far. It belongs to one run and one [`Builder`](crate::Builder): the materials of the
+/// meshes in it are that builder's.
+#[derive(Debug, Default)]
+pub struct AssetCache {
+    textures: BTreeMap<String, Arc<Texture>>,
+    /// By path and by the ambient light that went into their materials.
+    meshes: BTreeMap<(String, [u64; 3]), Arc<Mesh>>,
+    files: usize,
+    bytes: u64,
+}
+
+impl AssetCache {
+    /// Files asked for so far; a file that was in the cache counts once.
+    #[must_use]
+    pub fn files(&self) -> usize {
+        self.files
+    }
+
+    /// Bytes read so far.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+}
+
+/// A host, its limits and the cache of a run, put together for as long as files are read.
+///
+/// Paths are relative with `/`, as [`resolve`](crate::host::resolve) gives them.
+pub struct Assets<'a> {
+    host: &'a dyn Host,
+    limits: &'a Limits,
+    cache: &'a mut AssetCache,
+}
+
+impl fmt::Debug for Assets<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Assets")
+            .field("cache", &self.cache)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<'a> Assets<'a> {
+    /// Files of `host` within `limits`, kept in `cache`.
+    #[must_use]
+    pub fn new(host: &'a dyn Host, limits: &'a Limits, cache: &'a mut AssetCache) -> Self {
+        Self { host, limits, cache }
+    }
+
+    /// The bytes of a file, not kept.
+    ///
+    /// # Errors
+    /// Whatever the host answers, and past the limits `files` and `file_bytes`. The error has no place: the
+    /// caller knows who named the file.
+    pub fn read(&mut self, path: &str) -> Result<Vec<u8>, Diagnostic> {
+        if self.cache.files >= self.limits.files {
+            let what = format!("'{path}' is one file too many");
+            return Err(SceneError::limit(&what, "files", self.limits.files).into());
+        }
+        self.cache.files += 1;
+        // A drive letter is an absolute path for Windows only, but a path to nowhere for everyone.
+        let mut parts = path.split('/');
+        if parts.any(|part| matches!(part.as_bytes(), [letter, b':', ..] if letter.is_ascii_alphabetic())) {
+            return Err(Diagnostic::error(
+                ErrorKind::Denied,
+                format!("'{path}' is an absolute path; only files below the script's folder can be read"),
+            ));
+        }
+        let bytes = self
+            .host
+            .read(path, self.limits.file_bytes)
+            .map_err(|error| Diagnostic::error(error.kind, error.message))?;
+        self.cache.bytes = self.cache.bytes.saturating_add(bytes.len() as u64);
+        Ok(bytes)
+    }
+
+    /// The picture at `path` as a texture. The same path gives the same `Arc`.
+    ///
+    /// # Errors
+    /// As [`Assets::read`]; where the file is no PNG or JPEG picture, is damaged, or passes the limits
+    /// `texture_side` or `decode_bytes`.
+    pub fn texture(&mut self, path: &str) -> Result<Arc<Texture>, Diagnostic> {
+        let key = key(path);
+        if let Some(texture) = self.cache.textures.get(&key) {
+            return Ok(Arc::clone(texture));
+        }
+        let bytes = self.read(path)?;
+        let texture = Arc::new(Texture::Image(texture::decode(path, &bytes, self.limits)?));
+        self.cache.textures.insert(key, Arc::clone(&texture));
+        Ok(texture)
+    }
+
+    /// The mesh read from `path` before under that ambient light.
+    pub(super) fn known_mesh(&self, path: &str, ambient: [f64; 3]) -> Option<Arc<Mesh>> {
+        self.cache
+            .meshes
+            .get(&(key(path), ambient.map(f64::to_bits)))
+            .cloned()
+    }
+
+    /// Keeps a mesh for [`Assets::known_mesh`].
+    pub(super) fn keep_mesh(&mut self, path: &str, ambient: [f64; 3], mesh: &Arc<Mesh>) {
+        let key = (key(path), ambient.map(f64::to_bits));
+        self.cache.meshes.insert(key, Arc::clone(mesh));
+    }
+
+    /// An error where the host wants the run to end.
+    pub(super) fn check_stop(&self) -> Result<(), Diagnostic> {
+        if self.host.should_stop() {
+            return Err(Diagnostic::error(ErrorKind::Cancelled, "the host asked to stop"));
+        }
+        Ok(())
+    }
+
+    pub(super) fn limits(&self) -> &Limits {
+        self.limits
+    }
+}
+
+/// The same for different spellings of a path. `..` stays, since what it leads to is the host's business.
+fn key(path: &str) -> String {
+    let parts: Vec<&str> = path
+        .split('/')
+        .filter(|part| !matches!(*part, "" | "."))
+        .collect();
+    parts.join("/")
+}

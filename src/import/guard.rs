@@ -1,0 +1,366 @@
+//! The look at an OBJ file before its reader sees it.
+//!
+//! The reader (tobj) knows no lines, takes NaN for a number, lets an index wrap around, makes up an index where a
+//! corner has none, and would open any file a material library names. So every statement is checked here, and
+//! what it gets is a file written anew: finite numbers, absolute indices in range, nothing but vertices and faces.
+
+use std::{borrow::Cow, collections::BTreeMap, fmt::Write};
+
+use super::{
+    text::{Source, counted, number, quoted},
+    wavefront::{Statement, Unused, statements},
+};
+use crate::{Diagnostic, SceneError, diag::nearest_names};
+
+/// A checked OBJ file.
+#[derive(Debug, Default)]
+pub(super) struct Checked<'a> {
+    /// The file for the reader. Its first texture coordinate and its first normal are NaN: they stand where a
+    /// corner has none.
+    pub(super) text: String,
+    /// The faces in order.
+    pub(super) faces: Vec<Face<'a>>,
+    /// The names that `usemtl` gives, each once, and where it stands first.
+    pub(super) materials: Vec<(Cow<'a, str>, &'a str)>,
+    /// The files that `mtllib` names, and where.
+    pub(super) libraries: Vec<(Cow<'a, str>, &'a str)>,
+    /// `l` and `p`.
+    pub(super) lines_and_points: Unused<'a>,
+    /// Curves and surfaces of the free-form kind.
+    pub(super) free_form: Unused<'a>,
+    /// Vertices with a color of their own.
+    pub(super) colors: Unused<'a>,
+}
+
+/// Where a face stands and what it is made of.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Face<'a> {
+    /// Its keyword.
+    pub(super) at: &'a str,
+    /// Index into [`Checked::materials`], if a `usemtl` came before.
+    pub(super) material: Option<u32>,
+}
+
+/// Checks a whole file that may have at most `max_triangles`.
+///
+/// # Errors
+/// At the first statement that is wrong.
+pub(super) fn check<'a>(source: &Source<'a>, max_triangles: usize) -> Result<Checked<'a>, Diagnostic> {
+    let mut guard = Guard {
+        source,
+        out: Checked {
+            text: String::with_capacity(source.text.len() + 64),
+            ..Checked::default()
+        },
+        lists: LISTS.map(|what| List {
+            what,
+            len: 0,
+            ahead: Vec::new(),
+        }),
+        triangles: 0,
+        max_triangles,
+        material: None,
+        material_ids: BTreeMap::new(),
+    };
+    guard.out.text.push_str("vt nan nan\nvn nan nan nan\n");
+    let mut statements = statements(source);
+    while let Some(statement) = statements.next() {
+        guard.statement(statement)?;
+    }
+    guard.check_ahead()?;
+    Ok(guard.out)
+}
+
+/// What the three lists of an OBJ file hold: one and many.
+const LISTS: [(&str, &str); 3] = [
+    ("vertex", "vertices"),
+    ("texture coordinate", "texture coordinates"),
+    ("normal", "normals"),
+];
+const VERTICES: usize = 0;
+const TEXTURE_COORDINATES: usize = 1;
+const NORMALS: usize = 2;
+
+struct List<'a> {
+    what: (&'static str, &'static str),
+    len: usize,
+    /// Indices of what comes later in the file, each larger than the one before: the first that the whole file
+    /// does not reach is among them.
+    ahead: Vec<(usize, &'a str)>,
+}
+
+struct Guard<'s, 'a> {
+    source: &'s Source<'a>,
+    out: Checked<'a>,
+    lists: [List<'a>; 3],
+    triangles: usize,
+    max_triangles: usize,
+    material: Option<u32>,
+    material_ids: BTreeMap<Cow<'a, str>, u32>,
+}
+
+impl<'a> Guard<'_, 'a> {
+    fn statement(&mut self, s: Statement<'_, 'a>) -> Result<(), Diagnostic> {
+        match s.keyword {
+            "v" => self.vertex(s),
+            "vt" => self.numbers(s, TEXTURE_COORDINATES, (1, 3), "u v [w]"),
+            "vn" => self.numbers(s, NORMALS, (3, 3), "x y z"),
+            "f" | "fo" => self.face(s),
+            "l" | "p" => {
+                self.out.lines_and_points.add(s.keyword);
+                Ok(())
+            }
+            "usemtl" => self.use_material(s),
+            "mtllib" => self.library(s),
+            "o" | "g" | "s" | "mg" | "bevel" | "c_interp" | "d_interp" | "lod" | "shadow_obj"
+            | "trace_obj" | "ctech" | "stech" | "usemap" | "maplib" | "call" | "csh" => Ok(()),
+            "vp" | "cstype" | "deg" | "bmat" | "step" | "parm" | "trim" | "hole" | "scrv" | "sp" | "end"
+            | "con" | "cdc" | "res" => Ok(()),
+            "curv" | "curv2" | "surf" | "bsp" | "bzp" | "cdp" => {
+                self.out.free_form.add(s.keyword);
+                Ok(())
+            }
+            _ => Err(self.unknown(s.keyword)),
+        }
+    }
+
+    fn unknown(&self, keyword: &str) -> Diagnostic {
+        let error = self
+            .source
+            .error(keyword, format!("unknown OBJ keyword {}", quoted(keyword)));
+        let known = ["v", "vt", "vn", "f", "l", "p", "o", "g", "s", "usemtl", "mtllib"];
+        match nearest_names(keyword, known).first() {
+            Some(near) if keyword.len() > 2 => error.hint(format!("did you mean '{near}'?")),
+            _ => error.hint("is this a Wavefront OBJ file? its lines begin with v, vt, vn, f, o, g, s, usemtl, mtllib or #"),
+        }
+    }
+
+    fn vertex(&mut self, s: Statement<'_, 'a>) -> Result<(), Diagnostic> {
+        // A fourth number is a weight to divide by, six are position and color, seven a color with alpha.
+        let keep = match s.args.len() {
+            3 | 4 => s.args.len(),
+            6 | 7 => {
+                self.out.colors.add(s.keyword);
+                3
+            }
+            _ => return Err(self.wrong_count(s, "3 numbers (x y z), 4 (x y z w) or 6 (x y z r g b)")),
+        };
+        let mut values = [0.0; 4];
+        for (i, word) in s.args.iter().enumerate() {
+            let value = self.number(word)?;
+            if let Some(slot) = values.get_mut(i) {
+                *slot = value;
+            }
+        }
+        let [x, y, z, w] = values;
+        if keep == 4 && !((x / w).abs().max((y / w).abs()).max((z / w).abs()) <= 1e15) {
+            let at = s.args.get(3).copied().unwrap_or(s.keyword);
+            return Err(self.source.error(
+                at,
+                format!(
+                    "the vertex divided by its weight {} is not within 1e15 of the origin",
+                    quoted(at)
+                ),
+            ));
+        }
+        self.write("v", s.args.get(..keep).unwrap_or(&[]));
+        self.count(VERTICES);
+        Ok(())
+    }
+
+    fn numbers(
+        &mut self,
+        s: Statement<'_, 'a>,
+        list: usize,
+        (least, most): (usize, usize),
+        usage: &str,
+    ) -> Result<(), Diagnostic> {
+        if !(least..=most).contains(&s.args.len()) {
+            let wanted = if least == most {
+                format!("{most} numbers ({usage})")
+            } else {
+                format!("{least} to {most} numbers ({usage})")
+            };
+            return Err(self.wrong_count(s, &wanted));
+        }
+        for word in s.args {
+            self.number(word)?;
+        }
+        match (list, s.args) {
+            (TEXTURE_COORDINATES, [u]) => self.write("vt", &[u, "0"]),
+            (TEXTURE_COORDINATES, [u, v, ..]) => self.write("vt", &[u, v]),
+            (_, args) => self.write("vn", args),
+        }
+        self.count(list);
+        Ok(())
+    }
+
+    fn face(&mut self, s: Statement<'_, 'a>) -> Result<(), Diagnostic> {
+        if s.args.len() < 3 {
+            return Err(self.wrong_count(s, "3 or more corners (v, v/vt, v//vn or v/vt/vn)"));
+        }
+        self.triangles = self.triangles.saturating_add(s.args.len() - 2);
+        if self.triangles > self.max_triangles {
+            let error = SceneError::limit("too many triangles", "primitives", self.max_triangles);
+            return Err(self.source.place(error.into(), s.keyword));
+        }
+        self.out.text.push('f');
+        for corner in s.args {
+            let mut indices = [None; 3];
+            for (i, part) in corner.split('/').enumerate() {
+                let Some(slot) = indices.get_mut(i) else {
+                    return Err(self.bad_corner(corner));
+                };
+                if !part.is_empty() {
+                    *slot = Some(self.index(i, part)?);
+                }
+            }
+            let [Some(v), vt, vn] = indices else {
+                return Err(self.bad_corner(corner));
+            };
+            // The reader's lists begin with the entry that stands for none, so theirs are one further on.
+            let further = |index: Option<usize>| index.map_or(1, |index| index + 1);
+            let written = write!(self.out.text, " {v}/{}/{}", further(vt), further(vn));
+            debug_assert!(written.is_ok(), "a string takes everything");
+        }
+        self.out.text.push('\n');
+        self.out.faces.push(Face {
+            at: s.keyword,
+            material: self.material,
+        });
+        Ok(())
+    }
+
+    fn bad_corner(&self, corner: &str) -> Diagnostic {
+        self.source.error(
+            corner,
+            format!(
+                "expected a corner like 1, 1/2, 1//3 or 1/2/3, found {}",
+                quoted(corner)
+            ),
+        )
+    }
+
+    /// The index `part` of a list, counted from 1; it may lie ahead.
+    fn index(&mut self, list: usize, part: &'a str) -> Result<usize, Diagnostic> {
+        let Some(List { what, len, ahead }) = self.lists.get_mut(list) else {
+            return Err(self.bad_corner(part));
+        };
+        let (one, many) = *what;
+        let expected = || {
+            self.source.error(
+                part,
+                format!(
+                    "expected the number of a {one}, counted from 1 or back from -1, found {}",
+                    quoted(part)
+                ),
+            )
+        };
+        let value: i64 = part.parse().map_err(|_| expected())?;
+        if value < 0 {
+            let back = usize::try_from(value.unsigned_abs()).unwrap_or(usize::MAX);
+            return match len.checked_sub(back) {
+                Some(before) => Ok(before + 1),
+                None => Err(self.source.error(
+                    part,
+                    format!(
+                        "there is no {one} {value}: {} before this line",
+                        come(*len, (one, many))
+                    ),
+                )),
+            };
+        }
+        let index = usize::try_from(value).unwrap_or(usize::MAX);
+        if index == 0 {
+            return Err(expected());
+        }
+        if index > *len && ahead.last().is_none_or(|(furthest, _)| index > *furthest) {
+            ahead.push((index, part));
+        }
+        Ok(index)
+    }
+
+    /// Refuses the first index that the whole file does not reach.
+    fn check_ahead(&self) -> Result<(), Diagnostic> {
+        let unreached = self.lists.iter().filter_map(|list| {
+            let (index, at) = list.ahead.iter().find(|(index, _)| *index > list.len)?;
+            Some((*at, *index, list))
+        });
+        let first = unreached.min_by_key(|(at, ..)| at.as_ptr() as usize);
+        let Some((at, index, List { what, len, .. })) = first else {
+            return Ok(());
+        };
+        let (one, many) = *what;
+        Err(self.source.error(
+            at,
+            format!(
+                "there is no {one} {index}: the file has {}",
+                counted(*len, one, many)
+            ),
+        ))
+    }
+
+    fn use_material(&mut self, s: Statement<'_, 'a>) -> Result<(), Diagnostic> {
+        let name = s.name_from(0);
+        if name.is_empty() {
+            return Err(self.wrong_count(s, "the name of a material"));
+        }
+        let materials = &mut self.out.materials;
+        let id = *self.material_ids.entry(name).or_insert_with_key(|name| {
+            materials.push((name.clone(), s.keyword));
+            u32::try_from(materials.len() - 1).unwrap_or(u32::MAX)
+        });
+        self.material = Some(id);
+        Ok(())
+    }
+
+    fn library(&mut self, s: Statement<'_, 'a>) -> Result<(), Diagnostic> {
+        if s.args.is_empty() {
+            return Err(self.wrong_count(s, "the name of a file"));
+        }
+        // Several names are several files only if each looks like one: "old car.mtl" is a name with a space.
+        let is_file = |word: &&str| word.len() > 4 && word.to_ascii_lowercase().ends_with(".mtl");
+        if s.args.iter().all(is_file) {
+            let files = s.args.iter().map(|word| (Cow::Borrowed(*word), *word));
+            self.out.libraries.extend(files);
+        } else {
+            let at = s.args.first().copied().unwrap_or(s.keyword);
+            self.out.libraries.push((s.name_from(0), at));
+        }
+        Ok(())
+    }
+
+    fn number(&self, word: &str) -> Result<f64, Diagnostic> {
+        number(word).map_err(|message| self.source.error(word, message))
+    }
+
+    fn wrong_count(&self, s: Statement<'_, 'a>, wanted: &str) -> Diagnostic {
+        let given = s.args.len();
+        self.source
+            .error(s.keyword, format!("{} takes {wanted}, not {given}", s.keyword))
+    }
+
+    fn write(&mut self, keyword: &str, args: &[&str]) {
+        let text = &mut self.out.text;
+        text.push_str(keyword);
+        for arg in args {
+            text.push(' ');
+            text.push_str(arg);
+        }
+        text.push('\n');
+    }
+
+    fn count(&mut self, list: usize) {
+        if let Some(list) = self.lists.get_mut(list) {
+            list.len += 1;
+        }
+    }
+}
+
+fn come(n: usize, (one, many): (&str, &str)) -> String {
+    format!(
+        "{} {}",
+        counted(n, one, many),
+        if n == 1 { "comes" } else { "come" }
+    )
+}

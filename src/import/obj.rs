@@ -1,0 +1,199 @@
+//! Wavefront OBJ meshes with their materials.
+
+use std::{borrow::Cow, sync::Arc};
+
+use super::{
+    assembly,
+    assets::Assets,
+    guard::{self, Checked},
+    look,
+    mtl::{self, Library},
+    text::{Source, counted, quoted},
+    wavefront::{self, warn_at},
+};
+use crate::{
+    Builder, Diagnostic, ErrorKind,
+    diag::nearest_names,
+    host::resolve,
+    scene::{MaterialId, Mesh},
+};
+
+/// Reads the OBJ file `path` with the material libraries and textures it names, all through the host.
+///
+/// Objects and groups become one mesh. Faces of more than three corners are cut into triangles, concave ones too.
+/// A face is smooth where all its corners have normals, whatever `s` says, and flat elsewhere; a normal of length
+/// zero is none. A face without `usemtl` looks as the object that places the mesh ([`MaterialId::INHERIT`]).
+/// The ambient term of an MTL material is its Ka, at most its Kd, times the current ambient color; so the same
+/// `Arc` comes back for the same path under the same ambient color.
+///
+/// Warnings go to the builder, at their place in the file: faces without area, which are left out; lines, points,
+/// curves and vertex colors; a missing library, and a material that no library has, whose faces look as those
+/// without.
+///
+/// # Errors
+/// With file, line and column where the file or a library is malformed, where a texture cannot be read, where a
+/// name leads outside the host's folder, or where a limit is passed. Where the file itself cannot be read the
+/// error has no place: it belongs to the call that names the file.
+pub fn load_obj(path: &str, assets: &mut Assets<'_>, builder: &mut Builder) -> Result<Arc<Mesh>, Diagnostic> {
+    let light = builder.material().ambient.color;
+    if let Some(mesh) = assets.known_mesh(path, light.to_array()) {
+        return Ok(mesh);
+    }
+    let bytes = assets.read(path)?;
+    let text = wavefront::text(path, &bytes)?;
+    let source = Source::new(path, &text, ErrorKind::Input);
+    let checked = guard::check(&source, assets.limits().primitives)?;
+    if checked.faces.is_empty() {
+        let error = Diagnostic::error(ErrorKind::Input, "the file has no faces").at(path, 0, 0);
+        return Err(error.hint("a mesh is made of f lines; lines, points and curves are not drawn"));
+    }
+    let materials = materials(&source, &checked, assets, builder)?;
+    let mesh = assembly::mesh(&source, &checked, &materials, assets, builder)?;
+    warn(&source, &checked, builder);
+    let mesh = Arc::new(mesh);
+    assets.keep_mesh(path, light.to_array(), &mesh);
+    Ok(mesh)
+}
+
+/// What the file has and the mesh has not.
+fn warn(source: &Source<'_>, checked: &Checked<'_>, builder: &mut Builder) {
+    let lines_and_points = |n| {
+        format!(
+            "{} left out: only faces are drawn",
+            counted(n, "line or point is", "lines and points are")
+        )
+    };
+    checked
+        .lines_and_points
+        .warn(source, builder, lines_and_points, None);
+    let free_form = |n| {
+        format!(
+            "{} left out: only faces are drawn",
+            counted(n, "curve or surface is", "curves and surfaces are")
+        )
+    };
+    checked
+        .free_form
+        .warn(source, builder, free_form, Some("export the model as polygons"));
+    let colors = |n| {
+        format!(
+            "the {} not used",
+            counted(n, "vertex color is", "vertex colors are")
+        )
+    };
+    checked.colors.warn(source, builder, colors, None);
+}
+
+/// The material of each name that `usemtl` gives.
+fn materials(
+    source: &Source<'_>,
+    checked: &Checked<'_>,
+    assets: &mut Assets<'_>,
+    builder: &mut Builder,
+) -> Result<Vec<MaterialId>, Diagnostic> {
+    let mut files: Vec<(String, Vec<u8>)> = Vec::new();
+    let mut is_missing = false;
+    for (name, at) in &checked.libraries {
+        let path = resolve(source.name, name);
+        if files.iter().any(|(known, _)| *known == path) {
+            continue;
+        }
+        match assets.read(&path) {
+            Ok(bytes) => files.push((path, bytes)),
+            Err(error) if error.kind == ErrorKind::Input => {
+                is_missing = true;
+                let hint = Some("its faces look as the object that places the mesh");
+                warn_at(source, at, builder, error.message, hint);
+            }
+            Err(error) => return Err(source.place(error, at)),
+        }
+    }
+    let texts = files.iter().map(|(path, bytes)| wavefront::text(path, bytes));
+    let texts = texts.collect::<Result<Vec<Cow<'_, str>>, _>>()?;
+    let sources = files
+        .iter()
+        .zip(&texts)
+        .map(|((path, _), text)| Source::new(path, text, ErrorKind::Input));
+    let mut libraries = Vec::new();
+    for source in sources {
+        let library = mtl::parse(&source)?;
+        warn_library(&source, &library, builder);
+        libraries.push((source, library));
+    }
+    let mut is_used = vec![false; checked.materials.len()];
+    for slot in checked.faces.iter().filter_map(|face| face.material) {
+        if let Some(used) = is_used.get_mut(slot as usize) {
+            *used = true;
+        }
+    }
+    let mut unknown = Vec::new();
+    let mut ids = vec![MaterialId::INHERIT; checked.materials.len()];
+    let used = ids
+        .iter_mut()
+        .zip(&checked.materials)
+        .zip(is_used)
+        .filter(|(_, used)| *used);
+    for ((id, (name, at)), _) in used {
+        // As with one name twice in one file, the last one counts.
+        let found = libraries
+            .iter()
+            .rev()
+            .find_map(|(source, library)| Some((source, library.materials.get(name)?)));
+        match found {
+            Some((source, mtl)) => {
+                let light = builder.material().ambient.color;
+                let material = look::material(mtl, light, source, assets, builder)?;
+                *id = builder.material_id(&material);
+            }
+            None => unknown.push((name, *at)),
+        }
+    }
+    // Without its library every name is unknown, which has been said.
+    if let (Some((name, at)), false) = (unknown.first(), is_missing) {
+        let others = match unknown.len() - 1 {
+            0 => String::new(),
+            n => format!(", nor {n} more that usemtl names"),
+        };
+        let known = libraries
+            .iter()
+            .flat_map(|(_, library)| library.materials.keys().map(AsRef::as_ref));
+        let hint = match nearest_names(name, known).first() {
+            Some(near) => format!("did you mean '{near}'?"),
+            None if libraries.is_empty() => {
+                "a line 'mtllib file.mtl' names the file with the materials".to_owned()
+            }
+            None => "its faces look as the object that places the mesh".to_owned(),
+        };
+        let message = format!("no material is called {}{others}", quoted(name));
+        warn_at(source, at, builder, message, Some(&hint));
+    }
+    Ok(ids)
+}
+
+fn warn_library(source: &Source<'_>, library: &Library<'_>, builder: &mut Builder) {
+    let maps = |n| {
+        format!(
+            "{} not used: only map_Kd, map_Ka, map_Ks and map_Ke are",
+            counted(
+                n,
+                "texture of this kind is",
+                "textures of this and other kinds are"
+            )
+        )
+    };
+    library.unused_maps.warn(source, builder, maps, None);
+    let options = |n| {
+        format!(
+            "{} not used: the texture is laid as it is",
+            counted(n, "texture option is", "texture options are")
+        )
+    };
+    library.unused_options.warn(source, builder, options, None);
+    let unknown = |n| {
+        format!(
+            "{} left out",
+            counted(n, "unknown MTL statement is", "unknown MTL statements are")
+        )
+    };
+    library.unknown.warn(source, builder, unknown, None);
+}

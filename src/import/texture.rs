@@ -1,0 +1,104 @@
+//! Pictures as textures.
+
+use std::{io::Cursor, panic};
+
+use image::{ImageFormat, ImageReader, error::ImageError};
+
+use crate::{
+    Diagnostic, ErrorKind, Limits, SceneError,
+    scene::{ImageTexture, Texels},
+};
+
+/// Decodes a PNG or JPEG picture; which of them it is, its bytes say and not its name.
+///
+/// 16 bits are reduced to 8 and transparency is dropped. Both decoders work in whole numbers, so the texels
+/// are the same on every machine.
+///
+/// # Errors
+/// Where it is neither format, is damaged, has no pixels, or passes the limits `texture_side` or
+/// `decode_bytes`.
+pub(super) fn decode(name: &str, bytes: &[u8], limits: &Limits) -> Result<ImageTexture, Diagnostic> {
+    let format = match image::guess_format(bytes) {
+        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
+        _ if bytes.is_empty() => {
+            return Err(input(format!(
+                "'{name}' is empty; expected a PNG or JPEG picture"
+            )));
+        }
+        _ => {
+            return Err(input(format!("'{name}' is not a PNG or JPEG picture"))
+                .hint("convert the picture to PNG or JPEG"));
+        }
+    };
+    if format == ImageFormat::Jpeg && is_cut_off(bytes) {
+        return Err(damaged(name, format, "it ends too early"));
+    }
+    // Decoders are where a malformed file is most likely to find a hole.
+    let decoded = panic::catch_unwind(|| decode_as(format, bytes, limits));
+    let picture = match decoded {
+        Ok(Ok(picture)) => picture,
+        Ok(Err(ImageError::Limits(_))) => return Err(too_large(name, format, bytes, limits)),
+        Ok(Err(error)) => {
+            // The error's own text begins by saying that it is a format error.
+            let cause = std::error::Error::source(&error).and_then(|inner| inner.source());
+            let why = cause.map_or_else(|| error.to_string(), ToString::to_string);
+            return Err(damaged(name, format, &why));
+        }
+        Err(_) => return Err(damaged(name, format, "its decoder gave up")),
+    };
+    let (width, height) = picture.dimensions();
+    if width == 0 || height == 0 {
+        return Err(damaged(name, format, "it has no pixels"));
+    }
+    let texels = picture.into_raw().as_chunks::<3>().0.to_vec();
+    Ok(ImageTexture {
+        name: name.to_owned(),
+        width,
+        height,
+        texels: Texels::Srgb8(texels),
+    })
+}
+
+fn decode_as(format: ImageFormat, bytes: &[u8], limits: &Limits) -> Result<image::RgbImage, ImageError> {
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    let mut bounds = image::Limits::default();
+    bounds.max_image_width = Some(limits.texture_side);
+    bounds.max_image_height = Some(limits.texture_side);
+    bounds.max_alloc = Some(limits.decode_bytes);
+    reader.limits(bounds);
+    Ok(reader.decode()?.into_rgb8())
+}
+
+/// True where no end-of-image marker follows the last scan: the decoder would fill the rest with gray.
+fn is_cut_off(jpeg: &[u8]) -> bool {
+    let last = |marker: u8| jpeg.windows(2).rposition(|pair| pair == [0xff, marker]);
+    let (scan, end) = (last(0xda), last(0xd9));
+    scan.is_some() && end < scan
+}
+
+/// Which of the two limits it was, told by the picture's size.
+fn too_large(name: &str, format: ImageFormat, bytes: &[u8], limits: &Limits) -> Diagnostic {
+    let size = panic::catch_unwind(|| ImageReader::with_format(Cursor::new(bytes), format).into_dimensions());
+    let (what, side) = match size {
+        Ok(Ok((width, height))) => (
+            format!("'{name}' has {width} x {height} texels"),
+            width.max(height),
+        ),
+        _ => (format!("'{name}' takes too much memory to decode"), 0),
+    };
+    if side > limits.texture_side {
+        SceneError::limit(&what, "texture_side", limits.texture_side).into()
+    } else {
+        SceneError::limit(&what, "decode_bytes", limits.decode_bytes).into()
+    }
+}
+
+fn damaged(name: &str, format: ImageFormat, why: &str) -> Diagnostic {
+    let format = if format == ImageFormat::Png { "PNG" } else { "JPEG" };
+    let why: String = why.chars().filter(|c| !c.is_control()).take(120).collect();
+    input(format!("'{name}' is a damaged {format} picture: {why}"))
+}
+
+fn input(message: String) -> Diagnostic {
+    Diagnostic::error(ErrorKind::Input, message)
+}
