@@ -8,9 +8,11 @@
     reason = "an error ends the run, so its size is paid for once"
 )]
 
+mod arrays;
 mod assembly;
 mod assets;
 mod command;
+mod convert;
 mod course;
 mod guard;
 mod look;
@@ -20,6 +22,8 @@ mod text;
 mod texture;
 mod wavefront;
 
+pub use arrays::mesh_from_arrays;
 pub use assets::{AssetCache, Assets};
+pub use convert::script_from_course;
 pub use course::{Course, load_course};
 pub use obj::load_obj;

@@ -9,6 +9,7 @@
 )]
 
 mod bad_obj;
+mod convert;
 mod course;
 mod obj;
 mod pictures;

@@ -1,0 +1,195 @@
+//! Meshes from lists of numbers, as scripts and programs give them.
+
+use crate::{
+    SceneError,
+    math::{DVec2, DVec3},
+    scene::{Attribute, Mesh},
+};
+
+/// A mesh of `positions`, three `indices` a triangle, counter-clockwise seen from the front; without indices
+/// every three positions are a triangle. `normals`, of any length but 0, and `uvs` belong to the positions, one
+/// each; without normals the mesh is flat.
+///
+/// # Errors
+/// Where there are no positions, the indices or the positions do not come in threes, an index is not that of a
+/// position, there are not as many normals or uvs as positions, a number is not finite or beyond 1e15, or a normal
+/// is zero. The message names the first entry that is wrong, counted from 0.
+pub fn mesh_from_arrays(
+    positions: Vec<DVec3>,
+    indices: Option<&[i64]>,
+    normals: Option<Vec<DVec3>>,
+    uvs: Option<Vec<DVec2>>,
+) -> Result<Mesh, SceneError> {
+    let count = positions.len();
+    if count == 0 {
+        return Err(SceneError::new("the mesh has no positions"));
+    }
+    let triangles = match indices {
+        Some(indices) => indexed(indices, count)?,
+        None => in_order(count)?,
+    };
+    let mut mesh = Mesh::new("mesh", positions, triangles)?;
+    if let Some(normals) = normals {
+        check_count("normals", normals.len(), count)?;
+        if let Some(i) = normals.iter().position(|n| !(n.is_finite() && *n != DVec3::ZERO)) {
+            let what = if normals.get(i) == Some(&DVec3::ZERO) {
+                "zero"
+            } else {
+                "not finite"
+            };
+            return Err(SceneError::new(format!("normal {i} of the mesh is {what}"))
+                .hint("a mesh without normals is flat"));
+        }
+        mesh.normals = Some(at_the_corners(&mesh, normals));
+    }
+    if let Some(uvs) = uvs {
+        check_count("uvs", uvs.len(), count)?;
+        if let Some(i) = uvs.iter().position(|uv| !uv.is_finite()) {
+            return Err(SceneError::new(format!("uv {i} of the mesh is not finite")));
+        }
+        mesh.uvs = Some(at_the_corners(&mesh, uvs));
+    }
+    Ok(mesh)
+}
+
+fn indexed(indices: &[i64], count: usize) -> Result<Vec<[u32; 3]>, SceneError> {
+    let (triangles, rest) = indices.as_chunks::<3>();
+    if !rest.is_empty() || triangles.is_empty() {
+        return Err(SceneError::new(format!(
+            "the mesh has {} indices, but every triangle takes 3",
+            indices.len()
+        )));
+    }
+    let index = |i: i64| u32::try_from(i).ok().filter(|i| (*i as usize) < count);
+    let checked = triangles
+        .iter()
+        .map(|[a, b, c]| Some([index(*a)?, index(*b)?, index(*c)?]));
+    if let Some(checked) = checked.collect() {
+        return Ok(checked);
+    }
+    let wrong = indices.iter().enumerate().find(|(_, i)| index(**i).is_none());
+    let (at, value) = wrong.map_or((0, 0), |(at, value)| (at, *value));
+    Err(SceneError::new(format!(
+        "index {at} of the mesh is {value}, but its positions are numbered 0 to {}",
+        count - 1
+    )))
+}
+
+fn in_order(count: usize) -> Result<Vec<[u32; 3]>, SceneError> {
+    if !count.is_multiple_of(3) {
+        return Err(SceneError::new(format!(
+            "the mesh has {count} positions and no indices, but every triangle takes 3"
+        ))
+        .hint("give indices: [...], three for each triangle, counted from 0"));
+    }
+    let end = u32::try_from(count).map_err(|_| SceneError::new("the mesh has too many positions"))?;
+    Ok((0..end / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
+}
+
+fn check_count(what: &str, given: usize, positions: usize) -> Result<(), SceneError> {
+    if given == positions {
+        return Ok(());
+    }
+    Err(SceneError::new(format!(
+        "the mesh has {given} {what} for {positions} positions; expected one for each"
+    )))
+}
+
+fn at_the_corners<T>(mesh: &Mesh, values: Vec<T>) -> Attribute<T> {
+    Attribute {
+        values,
+        indices: mesh.triangles.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square() -> Vec<DVec3> {
+        [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+            .map(|[x, y]| DVec3::new(x, y, 0.0))
+            .to_vec()
+    }
+
+    #[test]
+    fn attributes_follow_the_positions() {
+        let normals = vec![DVec3::Z * 2.0; 4];
+        let uvs = square().iter().map(|p| p.truncate()).collect();
+        let mesh = mesh_from_arrays(square(), Some(&[0, 1, 2, 0, 2, 3]), Some(normals), Some(uvs)).unwrap();
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
+        assert_eq!(mesh.corners(1)[2], DVec3::Y);
+        assert_eq!(mesh.uvs.unwrap().corners(1).unwrap()[2], DVec2::Y);
+        assert_eq!(mesh.normals.unwrap().corners(0).unwrap(), [DVec3::Z * 2.0; 3]);
+    }
+
+    #[test]
+    fn without_indices_three_positions_are_a_triangle() {
+        let mut positions = square();
+        positions.extend([DVec3::X, DVec3::Y]);
+        let mesh = mesh_from_arrays(positions, None, None, None).unwrap();
+        assert_eq!(mesh.triangles, [[0, 1, 2], [3, 4, 5]]);
+        assert_eq!((mesh.normals, mesh.uvs), (None, None));
+    }
+
+    #[test]
+    fn the_first_wrong_entry_is_named() {
+        let nan = DVec3::new(0.0, f64::NAN, 0.0);
+        let message = |positions, indices: Option<&[i64]>, normals, uvs| {
+            mesh_from_arrays(positions, indices, normals, uvs)
+                .unwrap_err()
+                .message
+        };
+        let three = Some(&[0, 1, 2][..]);
+        assert_eq!(message(vec![], None, None, None), "the mesh has no positions");
+        assert_eq!(
+            message(square(), None, None, None),
+            "the mesh has 4 positions and no indices, but every triangle takes 3"
+        );
+        for indices in [&[0, 1, 2, 3][..], &[]] {
+            assert_eq!(
+                message(square(), Some(indices), None, None),
+                format!(
+                    "the mesh has {} indices, but every triangle takes 3",
+                    indices.len()
+                )
+            );
+        }
+        for bad in [4, -1, i64::MAX, i64::MIN, 1 << 32] {
+            assert_eq!(
+                message(square(), Some(&[0, 1, 2, 0, bad, -7]), None, None),
+                format!("index 4 of the mesh is {bad}, but its positions are numbered 0 to 3")
+            );
+        }
+        assert_eq!(
+            message(vec![DVec3::X, DVec3::Y, nan], None, None, None),
+            "position 2 of the mesh is not a finite point within 1e15 of the origin"
+        );
+        assert_eq!(
+            message(square(), three, Some(vec![DVec3::X; 3]), None),
+            "the mesh has 3 normals for 4 positions; expected one for each"
+        );
+        let one_bad = |bad| Some(vec![DVec3::X, bad, DVec3::X, DVec3::X]);
+        assert_eq!(
+            message(square(), three, one_bad(DVec3::ZERO), None),
+            "normal 1 of the mesh is zero"
+        );
+        assert_eq!(
+            message(square(), three, one_bad(nan), None),
+            "normal 1 of the mesh is not finite"
+        );
+        assert_eq!(
+            message(square(), three, None, Some(vec![DVec2::X; 5])),
+            "the mesh has 5 uvs for 4 positions; expected one for each"
+        );
+        assert_eq!(
+            message(
+                square(),
+                three,
+                None,
+                Some(vec![DVec2::X, DVec2::X, DVec2::X, DVec2::NAN])
+            ),
+            "uv 3 of the mesh is not finite"
+        );
+    }
+}
