@@ -305,13 +305,18 @@ impl<'c, 'd> Call<'c, 'd> {
 /// The error for a call with a number of arguments that `entry` does not take.
 #[cold]
 pub(crate) fn wrong_count(entry: &Entry, given: usize) -> Box<ScriptError> {
-    let plural = if given == 1 { "" } else { "s" };
     ScriptError::new(format!(
-        "{} takes {}, not {given} argument{plural}",
+        "{} takes {}, not {}",
         entry.name,
-        entry.signature()
+        entry.signature(),
+        arguments(given)
     ))
     .hint(format!("for example {}", entry.usage))
+}
+
+/// "1 argument", "2 arguments".
+pub(crate) fn arguments(n: usize) -> String {
+    format!("{n} argument{}", if n == 1 { "" } else { "s" })
 }
 
 /// The value of an int or a float.

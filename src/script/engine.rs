@@ -19,7 +19,7 @@ use rhai::{
 
 use super::{
     api,
-    call::Call,
+    call::{Call, wrong_count},
     modules::Resolver,
     power,
     session::{Clock, Session},
@@ -65,18 +65,33 @@ static MODULES: LazyLock<Vec<Arc<Module>>> = LazyLock::new(|| {
 fn scene_module() -> Module {
     let mut module = Module::new();
     for entry in entries().filter(|e| !matches!(e.run, Run::Syntax)) {
-        for arity in entry.arities() {
+        let arities = entry.arities();
+        for &arity in &arities {
             for types in parameter_types(arity) {
                 register(&mut module, entry.name, &types, move |ctx, args| {
                     invoke(entry, ctx, args)
                 });
             }
         }
+        // A slip in the number of arguments gets the entry's own error, also where the script catches it.
+        // Beyond two too many, Rhai's "function not found" is translated.
+        let most = arities.last().map_or(0, |n| n + 2).min(MOST_DYNAMIC);
+        for arity in (0..=most).filter(|n| !arities.contains(n)) {
+            register(
+                &mut module,
+                entry.name,
+                &vec![TypeId::of::<Dynamic>(); arity],
+                move |ctx, args| {
+                    let e = wrong_count(entry, args.len());
+                    Err(e.raise_in(ctx.call_source(), ctx.call_position()))
+                },
+            );
+        }
     }
     for (name, value) in CONSTANTS {
         module.set_var(name, value);
     }
-    for name in power::OPERATORS.into_iter().chain(["**"]) {
+    for name in power::OPERATORS {
         register(&mut module, name, &[TypeId::of::<Dynamic>(); 2], |ctx, args| {
             let pos = ctx.call_position();
             match args {
@@ -90,10 +105,12 @@ fn scene_module() -> Module {
     module
 }
 
+/// Rhai looks for `Dynamic` parameters among the first 16.
+const MOST_DYNAMIC: usize = 16;
+
 /// The parameter types under which a function of `arity` parameters is registered: `Dynamic`, which is looked
 /// up for at most 16 parameters; those beyond are ints or floats.
 fn parameter_types(arity: usize) -> Vec<Vec<TypeId>> {
-    const MOST_DYNAMIC: usize = 16;
     let dynamic = vec![TypeId::of::<Dynamic>(); arity.min(MOST_DYNAMIC)];
     (MOST_DYNAMIC..arity).fold(vec![dynamic], |lists, _| {
         let number = [TypeId::of::<i64>(), TypeId::of::<f64>()];

@@ -93,6 +93,7 @@ impl Script {
     /// `Script` where it is malformed, with line and column; `Limit` where it is too large.
     pub fn compile(name: &str, source: &str, limits: &Limits) -> Result<Self, Error> {
         let too_large = source.len() > limits.source_bytes;
+        let source = without_mark(source);
         let source = Source {
             name: name.to_owned(),
             host_path: String::new(),
@@ -186,8 +187,9 @@ impl Script {
     ) -> Result<Report<Run>, Error> {
         let mut state = session.state();
         let sources = std::mem::take(&mut state.sources);
-        let builder = std::mem::take(&mut state.builder);
+        let mut builder = std::mem::take(&mut state.builder);
         let mut warnings = std::mem::take(&mut state.warnings);
+        warnings.extend(builder.take_warnings());
         let report = builder.finish();
         let failed = result.err().map(|e| {
             errors::of_run(
@@ -223,6 +225,11 @@ impl Script {
             }),
         }
     }
+}
+
+/// The text without the byte order mark that some editors put first.
+fn without_mark(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
 }
 
 /// Puts the caller's decisions in place.

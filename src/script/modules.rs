@@ -8,6 +8,7 @@ use super::{
     engine,
     session::{Session, Source},
     value::ScriptError,
+    without_mark,
 };
 use crate::{diag::ErrorKind, host::resolve};
 
@@ -75,7 +76,7 @@ impl Resolver {
                 ),
             )
         })?;
-        let text: Arc<str> = text.into();
+        let text: Arc<str> = without_mark(&text).into();
         state.sources.push(Source {
             name: name.clone(),
             host_path: host_path.clone(),

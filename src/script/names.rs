@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use rhai::{AST, Engine, Position, Token};
 
 use super::{
-    call::{kind_name, wrong_count},
+    call::{arguments, kind_name, wrong_count},
     engine,
     table::{entries, entry},
 };
@@ -62,11 +62,10 @@ impl Names {
         }
         if let Some(forms) = self.own.get(name) {
             let forms: Vec<String> = forms.iter().map(|p| format!("({})", p.join(", "))).collect();
-            let plural = if given.len() == 1 { "" } else { "s" };
             return error(format!(
-                "{name} takes {}, not {} argument{plural}",
+                "{name} takes {}, not {}",
                 forms.join(" or "),
-                given.len()
+                arguments(given.len())
             ));
         }
         let kinds: Vec<String> = given.iter().map(|t| kind_name(t)).collect();
@@ -79,8 +78,8 @@ impl Names {
         };
         if let Some(namespace) = namespace {
             return error(format!(
-                "the module {namespace} has no function {function} for {} arguments",
-                given.len()
+                "the module {namespace} has no function {function} for {}",
+                arguments(given.len())
             ));
         }
         if builtins().contains(name) {

@@ -14,8 +14,10 @@ fn shown(f: &FnPtr) -> String {
 }
 
 pub(super) fn extend(module: &mut Module) {
-    for name in ["to_string", "to_debug"] {
+    for name in ["print", "to_string", "debug", "to_debug"] {
         FuncRegistration::new(name).set_into_module(module, |f: &mut FnPtr| format!("Fn({})", shown(f)));
+    }
+    for name in ["to_string", "to_debug"] {
         FuncRegistration::new(name).set_into_module(module, |e: &mut ScriptError| e.to_string());
     }
     FuncRegistration::new_getter("name").set_into_module(module, |f: &mut FnPtr| shown(f));

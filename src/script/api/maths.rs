@@ -213,13 +213,16 @@ pub(super) const ENTRIES: &[Entry] = &[
         i64::checked_abs,
         f64::abs
     ),
-    same_kind!(
-        "sign",
-        "1 above 0, -1 below 0, and 0 for 0.",
-        "sign(-3.5)",
-        |i: i64| Some(i.signum()),
-        sign
-    ),
+    Entry::pure(Group::Maths, "sign", |call| {
+        let x = call.any_number("x")?;
+        call.end()?;
+        Ok(Dynamic::from(i64::from(x > 0.0) - i64::from(x < 0.0)))
+    })
+    .takes(&[&[X]])
+    .returns("int")
+    .doc("1 above 0, -1 below 0, and 0 for 0.")
+    .usage("sign(-3.5)")
+    .example("print(sign(-3.5));"),
     same_kind!(
         "floor",
         "The nearest whole number below.",
@@ -312,10 +315,6 @@ fn log(call: &mut Call<'_, '_>) -> Outcome {
 fn smooth(x: f64) -> f64 {
     let x = if x > 0.0 { x.min(1.0) } else { 0.0 };
     x * x * (3.0 - 2.0 * x)
-}
-
-fn sign(x: f64) -> f64 {
-    if x == 0.0 { 0.0 } else { x.signum() }
 }
 
 /// Ints as they are, where all of them are ints.

@@ -1,0 +1,94 @@
+//! What the tests of scripts share.
+
+#![allow(dead_code, reason = "each test file takes what it needs")]
+
+use std::{collections::BTreeMap, sync::Mutex};
+
+use rtscript::{Error, ErrorKind, Host, HostError, Image, Limits, Report, Run, RunOptions, Script};
+
+/// A host that has a few files and keeps what is printed and written.
+#[derive(Default)]
+pub struct Notes {
+    files: BTreeMap<String, Vec<u8>>,
+    printed: Mutex<Vec<String>>,
+    written: Mutex<Vec<String>>,
+}
+
+impl Notes {
+    /// A host with these files.
+    pub fn with(files: &[(&str, &str)]) -> Self {
+        let files = files
+            .iter()
+            .map(|(name, text)| ((*name).to_owned(), text.as_bytes().to_vec()))
+            .collect();
+        Self {
+            files,
+            ..Self::default()
+        }
+    }
+
+    /// Adds a file.
+    pub fn insert(&mut self, name: &str, bytes: Vec<u8>) {
+        self.files.insert(name.to_owned(), bytes);
+    }
+
+    /// Lines printed so far.
+    pub fn printed(&self) -> Vec<String> {
+        self.printed.lock().unwrap().clone()
+    }
+
+    /// Pictures written so far, as "name width x height".
+    pub fn written(&self) -> Vec<String> {
+        self.written.lock().unwrap().clone()
+    }
+}
+
+impl Host for Notes {
+    fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, HostError> {
+        let Some(bytes) = self.files.get(path) else {
+            let what = format!("cannot read '{path}': no such file");
+            return Err(HostError::new(ErrorKind::Input, what));
+        };
+        if bytes.len() as u64 > max_bytes {
+            return Err(HostError::new(ErrorKind::Limit, format!("'{path}' is too large")));
+        }
+        Ok(bytes.clone())
+    }
+
+    fn print(&self, text: &str) {
+        self.printed.lock().unwrap().push(text.to_owned());
+    }
+
+    fn write_image(&self, name: &str, image: &Image) -> Result<(), HostError> {
+        let line = format!("{name} {} x {}", image.width(), image.height());
+        self.written.lock().unwrap().push(line);
+        Ok(())
+    }
+}
+
+/// Runs a script on a host.
+pub fn run_on(host: &Notes, source: &str) -> Result<Report<Run>, Error> {
+    Script::compile("scene.rhai", source, &Limits::default())?.run(host, &RunOptions::default())
+}
+
+/// Runs a script on a host without files.
+pub fn try_run(source: &str) -> Result<Report<Run>, Error> {
+    run_on(&Notes::default(), source)
+}
+
+/// Runs a script that must be right.
+pub fn run(source: &str) -> Run {
+    match try_run(source) {
+        Ok(report) => report.value,
+        Err(e) => panic!("{e}\n{source}"),
+    }
+}
+
+/// What a script prints.
+pub fn printed(source: &str) -> Vec<String> {
+    let host = Notes::default();
+    if let Err(e) = run_on(&host, source) {
+        panic!("{e}\n{source}");
+    }
+    host.printed()
+}
