@@ -4,8 +4,10 @@ use std::{collections::BTreeMap, fmt, sync::Arc};
 
 use super::texture;
 use crate::{
-    Diagnostic, ErrorKind, Host, Limits, SceneError,
-    scene::{Mesh, Texture},
+    diag::{Diagnostic, ErrorKind},
+    host::Host,
+    limits::Limits,
+    scene::{Mesh, SceneError, Texture},
 };
 
 /// What has been read so far. It belongs to one run and one [`Builder`](crate::Builder): the materials of the

@@ -62,7 +62,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .doc("Kr: the mirror's weight where it is to differ from Ks. Default: Ks.")
         .usage("reflection(0, 0, 0)")
         .example("light([5, 5, 5], [1, 1, 1]);\nbackground(0.3, 0.5, 0.8);\nspecular(1, 1, 1);\nreflection(0.2, 0.2, 0.2);\nsphere(0, 0, 0, 1);")
-        .also(&["mirror", "reflect", "reflective"]),
+        .also(&["mirror", "reflective"]),
     Entry::scene(Group::Materials, "transmission", transmission)
         .takes(&[&[term("color", "Kt")]])
         .doc("Kt: what is seen through the surface, bent by ior(n). Default: black, opaque.")
