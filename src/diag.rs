@@ -203,7 +203,7 @@ pub struct Report<T> {
 /// The candidates nearest to a misspelt `name`, best first, at most three; for "did you mean".
 ///
 /// Distance is Damerau-Levenshtein on lower-case text without underscores, so that `push_transform` and
-/// `pushtransform` both find `pushTransform`.
+/// `pushtransform` both find `pushTransform`. Names of more than 256 bytes are near to nothing.
 #[must_use]
 pub fn nearest_names<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
     let fold = |s: &str| {
@@ -212,10 +212,15 @@ pub fn nearest_names<'a>(name: &str, candidates: impl IntoIterator<Item = &'a st
             .flat_map(char::to_lowercase)
             .collect::<Vec<_>>()
     };
+    // Names come from files too, and the table of distances is as large as the product of both lengths.
+    if name.len() > 256 {
+        return Vec::new();
+    }
     let wanted = fold(name);
     let bound = (wanted.len() / 3).max(1);
     let mut found: Vec<(usize, &str)> = candidates
         .into_iter()
+        .filter(|candidate| candidate.len() <= 256)
         .map(|candidate| (edit_distance(&wanted, &fold(candidate)), candidate))
         .filter(|(distance, _)| *distance <= bound)
         .collect();
@@ -265,6 +270,8 @@ mod tests {
         assert_eq!(nearest_names("shpere", names), ["sphere"]);
         assert_eq!(nearest_names("difuse", names), ["diffuse"]);
         assert!(nearest_names("quaternion", names).is_empty());
+        let long = "x".repeat(1 << 20);
+        assert!(nearest_names(&long, [long.as_str()]).is_empty());
     }
 
     #[test]

@@ -7,7 +7,11 @@
 
 use std::{fs, path::PathBuf};
 
-use rtscript::{Builder, Image, NoHost, RenderOptions, import::load_course, output, render};
+use rtscript::{
+    Builder, Image, Limits, NoHost, RenderOptions, RunOptions, Script,
+    import::{load_course, script_from_course},
+    output, render,
+};
 
 /// The folder of the course's scenes; `None` where it is not there.
 fn folder() -> Option<PathBuf> {
@@ -78,6 +82,24 @@ fn the_table_is_the_courses_to_the_last_pixel() {
         .filter(|(a, b)| **a != *b)
         .count();
     assert_eq!(differing, 0);
+}
+
+/// The script that `convert` writes gives the same pixels.
+#[test]
+fn converted_scenes_are_the_same_pictures() {
+    let Some(folder) = folder() else { return };
+    for name in ["scene1.test", "scene2.test", "scene3.test", "scene4-ambient.test"] {
+        let source = fs::read_to_string(folder.join(name)).unwrap();
+        let script = script_from_course(name, &source).unwrap();
+        let script = Script::compile("converted.rhai", &script, &Limits::default()).unwrap();
+        let run = script.run(&NoHost, &RunOptions::default()).unwrap();
+        assert!(run.warnings.is_empty(), "{:?}", run.warnings);
+        let image = render(&run.value.scene, &RenderOptions::default(), &NoHost)
+            .unwrap()
+            .value
+            .image;
+        assert_eq!(image.hash(), rendered(name, 0).unwrap().hash(), "{name}");
+    }
 }
 
 #[test]

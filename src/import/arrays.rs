@@ -1,9 +1,8 @@
 //! Meshes from lists of numbers, as scripts and programs give them.
 
 use crate::{
-    SceneError,
     math::{DVec2, DVec3},
-    scene::{Attribute, Mesh},
+    scene::{Attribute, Mesh, SceneError},
 };
 
 /// A mesh of `positions`, three `indices` a triangle, counter-clockwise seen from the front; without indices

@@ -4,9 +4,10 @@ use std::{ops::Range, panic};
 
 use super::{assets::Assets, guard::Checked, text::Source, wavefront::Unused};
 use crate::{
-    Builder, Diagnostic, ErrorKind, SceneError,
+    diag::{Diagnostic, ErrorKind},
     math::{DVec2, DVec3},
-    scene::{Attribute, MaterialId, Mesh},
+    scene::{Attribute, Builder, MaterialId, Mesh, SceneError},
+    shape::triangulate,
 };
 
 /// Corners between two questions whether to stop.
@@ -191,11 +192,6 @@ impl<'a> Triangles<'a> {
 
 fn has_area(a: DVec3, b: DVec3, c: DVec3) -> bool {
     (b - a).cross(c - a) != DVec3::ZERO
-}
-
-/// A polygon as a fan around its first corner, in its own orientation.
-fn triangulate(points: &[DVec3]) -> Vec<[usize; 3]> {
-    (2..points.len()).map(|i| [0, i - 1, i]).collect()
 }
 
 /// Values at the corners, without those that stand for none, which are the ones that `keep` refuses.

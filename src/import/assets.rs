@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, fmt, sync::Arc};
 
-use super::texture;
+use super::{text::quoted, texture};
 use crate::{
     diag::{Diagnostic, ErrorKind},
     host::Host,
@@ -10,13 +10,16 @@ use crate::{
     scene::{Mesh, SceneError, Texture},
 };
 
+/// Bytes of a path; systems take no more, and messages repeat it.
+const LONGEST_PATH: usize = 1024;
+
 /// What has been read so far. It belongs to one run and one [`Builder`](crate::Builder): the materials of the
 /// meshes in it are that builder's.
 #[derive(Debug, Default)]
 pub struct AssetCache {
     textures: BTreeMap<String, Arc<Texture>>,
-    /// By path and by the ambient light that went into their materials.
-    meshes: BTreeMap<(String, [u64; 3]), Arc<Mesh>>,
+    /// By path and by the ambient light that went into their materials, if they have any.
+    meshes: BTreeMap<(String, Option<[u64; 3]>), Arc<Mesh>>,
     files: usize,
     bytes: u64,
 }
@@ -65,6 +68,13 @@ impl<'a> Assets<'a> {
     /// Whatever the host answers, and past the limits `files` and `file_bytes`. The error has no place: the
     /// caller knows who named the file.
     pub fn read(&mut self, path: &str) -> Result<Vec<u8>, Diagnostic> {
+        if path.len() > LONGEST_PATH {
+            let message = format!(
+                "the file name {} has more than {LONGEST_PATH} bytes",
+                quoted(path)
+            );
+            return Err(Diagnostic::error(ErrorKind::Input, message));
+        }
         if self.cache.files >= self.limits.files {
             let what = format!("'{path}' is one file too many");
             return Err(SceneError::limit(&what, "files", self.limits.files).into());
@@ -103,16 +113,16 @@ impl<'a> Assets<'a> {
     }
 
     /// The mesh read from `path` before under that ambient light.
-    pub(super) fn known_mesh(&self, path: &str, ambient: [f64; 3]) -> Option<Arc<Mesh>> {
+    pub(super) fn known_mesh(&self, path: &str, ambient: Option<[f64; 3]>) -> Option<Arc<Mesh>> {
         self.cache
             .meshes
-            .get(&(key(path), ambient.map(f64::to_bits)))
+            .get(&(key(path), ambient.map(|color| color.map(f64::to_bits))))
             .cloned()
     }
 
     /// Keeps a mesh for [`Assets::known_mesh`].
-    pub(super) fn keep_mesh(&mut self, path: &str, ambient: [f64; 3], mesh: &Arc<Mesh>) {
-        let key = (key(path), ambient.map(f64::to_bits));
+    pub(super) fn keep_mesh(&mut self, path: &str, ambient: Option<[f64; 3]>, mesh: &Arc<Mesh>) {
+        let key = (key(path), ambient.map(|color| color.map(f64::to_bits)));
         self.cache.meshes.insert(key, Arc::clone(mesh));
     }
 

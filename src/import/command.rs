@@ -1,7 +1,12 @@
 //! The commands of the course's scene format: one a line, each a name and its values.
 
 use super::text::{Source, number, quoted, whole, words};
-use crate::{Diagnostic, color::Color, diag::nearest_names, math::DVec3, scene::Attenuation};
+use crate::{
+    color::Color,
+    diag::{Diagnostic, nearest_names},
+    math::DVec3,
+    scene::Attenuation,
+};
 
 /// One command with its values as they stand in the file.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,7 +7,11 @@ use super::{
     course::load_course,
     text::{Source, lines},
 };
-use crate::{Builder, Diagnostic, ErrorKind, math::DVec3};
+use crate::{
+    diag::{Diagnostic, ErrorKind},
+    math::DVec3,
+    scene::Builder,
+};
 
 /// Triangles in a row from which on they are written as a table and a loop.
 const TABLE_FROM: usize = 24;

@@ -5,10 +5,9 @@ use super::{
     text::{Source, counted, lines},
 };
 use crate::{
-    Builder, Diagnostic, ErrorKind, SceneError, Term,
-    diag::SourceLoc,
+    diag::{Diagnostic, ErrorKind, SourceLoc},
     math::DVec3,
-    scene::{Camera, Encoding},
+    scene::{Builder, Camera, Encoding, SceneError, Term},
 };
 
 /// What a scene file of the course says beyond the scene.

@@ -10,7 +10,10 @@ use super::{
     text::{Source, counted, number, quoted},
     wavefront::{Statement, Unused, statements},
 };
-use crate::{Diagnostic, SceneError, diag::nearest_names};
+use crate::{
+    diag::{Diagnostic, nearest_names},
+    scene::SceneError,
+};
 
 /// A checked OBJ file.
 #[derive(Debug, Default)]
@@ -303,7 +306,7 @@ impl<'a> Guard<'_, 'a> {
     fn use_material(&mut self, s: Statement<'_, 'a>) -> Result<(), Diagnostic> {
         let name = s.name_from(0);
         if name.is_empty() {
-            return Err(self.wrong_count(s, "the name of a material"));
+            return Err(self.nameless(s, "a material"));
         }
         let materials = &mut self.out.materials;
         let id = *self.material_ids.entry(name).or_insert_with_key(|name| {
@@ -316,7 +319,7 @@ impl<'a> Guard<'_, 'a> {
 
     fn library(&mut self, s: Statement<'_, 'a>) -> Result<(), Diagnostic> {
         if s.args.is_empty() {
-            return Err(self.wrong_count(s, "the name of a file"));
+            return Err(self.nameless(s, "a file"));
         }
         // Several names are several files only if each looks like one: "old car.mtl" is a name with a space.
         let is_file = |word: &&str| word.len() > 4 && word.to_ascii_lowercase().ends_with(".mtl");
@@ -338,6 +341,13 @@ impl<'a> Guard<'_, 'a> {
         let given = s.args.len();
         self.source
             .error(s.keyword, format!("{} takes {wanted}, not {given}", s.keyword))
+    }
+
+    fn nameless(&self, s: Statement<'_, 'a>, what: &str) -> Diagnostic {
+        self.source.error(
+            s.keyword,
+            format!("{} takes the name of {what}; it has none", s.keyword),
+        )
     }
 
     fn write(&mut self, keyword: &str, args: &[&str]) {

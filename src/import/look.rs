@@ -5,7 +5,12 @@ use super::{
     mtl::{Map, MtlMaterial},
     text::Source,
 };
-use crate::{Builder, Diagnostic, Material, Term, color::Color, host::resolve};
+use crate::{
+    color::Color,
+    diag::Diagnostic,
+    host::resolve,
+    scene::{Builder, Material, Term},
+};
 
 /// Kd where a material gives none: OpenGL's.
 const DIFFUSE: f64 = 0.8;
@@ -16,10 +21,9 @@ const DIFFUSE: f64 = 0.8;
 /// - **Ka** is, in the format, what share of the scene's ambient light comes back. In our equation the ambient
 ///   term is the light that comes back, so it needs that light: `light`, the current `ambient(color)` of the
 ///   script, .2 by default as in OpenGL. The share is at most Kd, and Kd where there is no Ka, times the
-///   diffuse map: half of all files have Ka 1 1 1 and mean "as the diffuse color", which taken literally
-///   would lay a gray veil over every picture; others repeat Kd as Ka; and those with Ka 0 0 0 keep their black
-///   shadows.
-/// - **Ks** is the highlight, times `map_Ks`, unless `illum` is 0 or 1, models without one. Only `illum` 3 and above
+///   diffuse map: exporters that write Ka 1 1 1 mean "as the diffuse color", and taken literally it would lay a
+///   gray veil over the picture; others repeat Kd as Ka; and a file with Ka 0 0 0 keeps its black shadows.
+/// - **Ks** is the highlight, times `map_Ks`, unless `illum` is 0 or 1, models without one. Only `illum` 3 to 9
 ///   are mirrors; most files have a Ks and mean no mirror.
 /// - **Ns** is the exponent of the highlight, **Ke** times `map_Ke` the emission.
 /// - **d** (or 1 - `Tr`, where there is no `d`) below 1 lets 1 - d of the light through and leaves d to the diffuse
@@ -82,7 +86,7 @@ pub(super) fn material(
         diffuse: load(kd * solid, diffuse_map)?,
         specular,
         shininess: mtl.shininess.unwrap_or(default.shininess),
-        reflection: if illumination >= 3 {
+        reflection: if (3..=9).contains(&illumination) {
             None
         } else {
             Some(Term::BLACK)

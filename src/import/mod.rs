@@ -26,4 +26,4 @@ pub use arrays::mesh_from_arrays;
 pub use assets::{AssetCache, Assets};
 pub use convert::script_from_course;
 pub use course::{Course, load_course};
-pub use obj::load_obj;
+pub use obj::{load_obj, load_obj_shape};

@@ -6,7 +6,7 @@ use super::{
     text::{Source, number, quoted, whole},
     wavefront::{Statement, Unused, statements},
 };
-use crate::{Diagnostic, color::Color};
+use crate::{color::Color, diag::Diagnostic};
 
 /// A material as its file gives it: what is not given is `None`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -88,7 +88,7 @@ impl<'a> Parser<'_, 'a> {
             if name.is_empty() {
                 return Err(self
                     .source
-                    .error(s.keyword, "newmtl takes the name of a material, not 0"));
+                    .error(s.keyword, "newmtl takes the name of a material; it has none"));
             }
             self.finish_material();
             self.current = Some((name, MtlMaterial::default()));
@@ -233,7 +233,10 @@ fn map<'a>(
     let file = s.name_from(next);
     let at = s.args.get(next).copied().unwrap_or(s.keyword);
     if file.is_empty() {
-        return Err(source.error(at, format!("{} takes the name of a picture file", s.keyword)));
+        return Err(source.error(
+            at,
+            format!("{} takes the name of a picture file; it has none", s.keyword),
+        ));
     }
     let unquoted = |name: &'a str| {
         name.strip_prefix('"')

@@ -12,10 +12,9 @@ use super::{
     wavefront::{self, warn_at},
 };
 use crate::{
-    Builder, Diagnostic, ErrorKind,
-    diag::nearest_names,
+    diag::{Diagnostic, ErrorKind, nearest_names},
     host::resolve,
-    scene::{MaterialId, Mesh},
+    scene::{Builder, MaterialId, Mesh},
 };
 
 /// Reads the OBJ file `path` with the material libraries and textures it names, all through the host.
@@ -27,31 +26,57 @@ use crate::{
 /// `Arc` comes back for the same path under the same ambient color.
 ///
 /// Warnings go to the builder, at their place in the file: faces without area, which are left out; lines, points,
-/// curves and vertex colors; a missing library, and a material that no library has, whose faces look as those
-/// without.
+/// curves and vertex colors; a material that no library has, whose faces look as those without.
 ///
 /// # Errors
-/// With file, line and column where the file or a library is malformed, where a texture cannot be read, where a
-/// name leads outside the host's folder, or where a limit is passed. Where the file itself cannot be read the
-/// error has no place: it belongs to the call that names the file.
+/// With file, line and column where the file or a library is malformed, where a library or a texture cannot be
+/// read, where a name leads outside the host's folder, or where a limit is passed. Where the file itself cannot be
+/// read the error has no place: it belongs to the call that names the file.
 pub fn load_obj(path: &str, assets: &mut Assets<'_>, builder: &mut Builder) -> Result<Arc<Mesh>, Diagnostic> {
-    let light = builder.material().ambient.color;
-    if let Some(mesh) = assets.known_mesh(path, light.to_array()) {
+    load(path, true, assets, builder)
+}
+
+/// As [`load_obj`], without the file's materials: all faces look as the object that places the mesh, and no
+/// library is read.
+///
+/// # Errors
+/// As [`load_obj`].
+pub fn load_obj_shape(
+    path: &str,
+    assets: &mut Assets<'_>,
+    builder: &mut Builder,
+) -> Result<Arc<Mesh>, Diagnostic> {
+    load(path, false, assets, builder)
+}
+
+fn load(
+    path: &str,
+    with_materials: bool,
+    assets: &mut Assets<'_>,
+    builder: &mut Builder,
+) -> Result<Arc<Mesh>, Diagnostic> {
+    let light = with_materials.then(|| builder.material().ambient.color.to_array());
+    if let Some(mesh) = assets.known_mesh(path, light) {
         return Ok(mesh);
     }
     let bytes = assets.read(path)?;
     let text = wavefront::text(path, &bytes)?;
     let source = Source::new(path, &text, ErrorKind::Input);
-    let checked = guard::check(&source, assets.limits().primitives)?;
+    let mut checked = guard::check(&source, assets.limits().primitives)?;
     if checked.faces.is_empty() {
         let error = Diagnostic::error(ErrorKind::Input, "the file has no faces").at(path, 0, 0);
         return Err(error.hint("a mesh is made of f lines; lines, points and curves are not drawn"));
     }
-    let materials = materials(&source, &checked, assets, builder)?;
+    let materials = if with_materials {
+        materials(&source, &checked, assets, builder)?
+    } else {
+        checked.faces.iter_mut().for_each(|face| face.material = None);
+        Vec::new()
+    };
     let mesh = assembly::mesh(&source, &checked, &materials, assets, builder)?;
     warn(&source, &checked, builder);
     let mesh = Arc::new(mesh);
-    assets.keep_mesh(path, light.to_array(), &mesh);
+    assets.keep_mesh(path, light, &mesh);
     Ok(mesh)
 }
 
@@ -92,7 +117,6 @@ fn materials(
     builder: &mut Builder,
 ) -> Result<Vec<MaterialId>, Diagnostic> {
     let mut files: Vec<(String, Vec<u8>)> = Vec::new();
-    let mut is_missing = false;
     for (name, at) in &checked.libraries {
         let path = resolve(source.name, name);
         if files.iter().any(|(known, _)| *known == path) {
@@ -101,9 +125,11 @@ fn materials(
         match assets.read(&path) {
             Ok(bytes) => files.push((path, bytes)),
             Err(error) if error.kind == ErrorKind::Input => {
-                is_missing = true;
-                let hint = Some("its faces look as the object that places the mesh");
-                warn_at(source, at, builder, error.message, hint);
+                let hint = format!(
+                    "mesh(\"{}\", #{{ materials: false }}) takes the shape without its materials",
+                    source.name
+                );
+                return Err(source.place(error, at).hint(hint));
             }
             Err(error) => return Err(source.place(error, at)),
         }
@@ -148,8 +174,7 @@ fn materials(
             None => unknown.push((name, *at)),
         }
     }
-    // Without its library every name is unknown, which has been said.
-    if let (Some((name, at)), false) = (unknown.first(), is_missing) {
+    if let Some((name, at)) = unknown.first() {
         let others = match unknown.len() - 1 {
             0 => String::new(),
             n => format!(", nor {n} more that usemtl names"),

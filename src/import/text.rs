@@ -1,6 +1,6 @@
 //! Lines, words and numbers of a text file, and where in it a word stands.
 
-use crate::{Diagnostic, ErrorKind, diag::SourceLoc};
+use crate::diag::{Diagnostic, ErrorKind, SourceLoc};
 
 /// A text file that is being read. Words taken from it are slices of it, so that a place need only be worked
 /// out for the few that turn out wrong.

@@ -5,8 +5,9 @@ use std::{io::Cursor, panic};
 use image::{ImageFormat, ImageReader, error::ImageError};
 
 use crate::{
-    Diagnostic, ErrorKind, Limits, SceneError,
-    scene::{ImageTexture, Texels},
+    diag::{Diagnostic, ErrorKind},
+    limits::Limits,
+    scene::{ImageTexture, SceneError, Texels},
 };
 
 /// Decodes a PNG or JPEG picture; which of them it is, its bytes say and not its name.

@@ -4,7 +4,10 @@
 use std::borrow::Cow;
 
 use super::text::{Source, lines};
-use crate::{Builder, Diagnostic, ErrorKind};
+use crate::{
+    diag::{Diagnostic, ErrorKind},
+    scene::Builder,
+};
 
 /// The text of a file, with whatever is no UTF-8 replaced: names in old encodings still match one another.
 ///

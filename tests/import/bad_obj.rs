@@ -168,8 +168,14 @@ fn bad_obj_lines_say_where_and_what() {
             "5:1: error: there is no vertex 9: the file has 3 vertices",
         ),
         // Names.
-        ("usemtl", "4:1: error: usemtl takes the name of a material, not 0"),
-        ("mtllib", "4:1: error: mtllib takes the name of a file, not 0"),
+        (
+            "usemtl",
+            "4:1: error: usemtl takes the name of a material; it has none",
+        ),
+        (
+            "mtllib",
+            "4:1: error: mtllib takes the name of a file; it has none",
+        ),
         // Keywords.
         (
             "usemlt red",
@@ -266,11 +272,17 @@ fn bad_libraries_say_where_and_what() {
             "illum 2.5",
             "2:7: error: expected a whole number, 0 or greater, found '2.5'",
         ),
-        ("newmtl", "2:1: error: newmtl takes the name of a material, not 0"),
-        ("map_Kd", "2:1: error: map_Kd takes the name of a picture file"),
+        (
+            "newmtl",
+            "2:1: error: newmtl takes the name of a material; it has none",
+        ),
+        (
+            "map_Kd",
+            "2:1: error: map_Kd takes the name of a picture file; it has none",
+        ),
         (
             "map_Kd -clamp on",
-            "2:1: error: map_Kd takes the name of a picture file",
+            "2:1: error: map_Kd takes the name of a picture file; it has none",
         ),
         (
             "map_Kd -clamp",
@@ -344,6 +356,34 @@ fn nothing_outside_the_folder_is_read() {
         let wanted = format!("a.mtl:2:8: error: '{shown}' {why}");
         assert_eq!(error_of(&host), (ErrorKind::Denied, wanted));
     }
+}
+
+#[test]
+fn names_without_end_are_cut_short() {
+    let long = "x".repeat(100_000);
+    let shown = "x".repeat(40);
+    let host = MemoryHost::new()
+        .with("a.obj", format!("mtllib a.mtl\n{TRIANGLE}usemtl a\nf 1 2 3\n"))
+        .with("a.mtl", format!("newmtl a\nmap_Kd {long}\n"));
+    let wanted = format!("a.mtl:2:8: error: the file name '{shown}...' has more than 1024 bytes");
+    assert_eq!(error_of(&host), (ErrorKind::Input, wanted));
+    let host = MemoryHost::new()
+        .with(
+            "a.obj",
+            format!("mtllib a.mtl\n{TRIANGLE}usemtl {long}\nf 1 2 3\n"),
+        )
+        .with("a.mtl", format!("newmtl y{long}\n"));
+    let warnings = try_load(&host, "a.obj").unwrap().warnings;
+    let wanted = format!(
+        "a.obj:5:1: warning: no material is called '{shown}...'\n  help: its faces look as the object that places the mesh"
+    );
+    assert_eq!(warnings, [wanted]);
+    let host = MemoryHost::new().with("a.obj", long);
+    assert!(
+        error_of(&host)
+            .1
+            .starts_with(&format!("a.obj:1:1: error: unknown OBJ keyword '{shown}...'\n"))
+    );
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rtscript::{
     Builder, DVec3, ErrorKind, Host, HostError, Limits, Material, MemoryHost, Term,
-    import::{AssetCache, Assets, load_obj},
+    import::{AssetCache, Assets, load_obj, load_obj_shape},
     scene::{MaterialId, Mesh, Texels, Texture},
 };
 
@@ -187,16 +187,46 @@ fn faces_know_their_materials() {
 }
 
 #[test]
-fn a_file_without_its_library_is_drawn_in_the_current_material() {
+fn a_missing_library_is_an_error_unless_materials_are_not_wanted() {
     let host = MemoryHost::new().with("m/a.obj", format!("mtllib a b.mtl\n{SQUARE}usemtl x\nf 1 2 3\n"));
-    let loaded = try_load(&host, "m/a.obj").unwrap();
-    assert!(loaded.mesh.face_materials.is_empty());
+    let error = try_load(&host, "m/a.obj").err().unwrap();
     assert_eq!(
-        loaded.warnings,
-        [
-            "m/a.obj:1:8: warning: cannot read 'm/a b.mtl': no such file\n  help: its faces look as the object that places the mesh"
-        ]
+        error.to_string(),
+        "m/a.obj:1:8: error: cannot read 'm/a b.mtl': no such file\n  \
+         help: mesh(\"m/a.obj\", #{ materials: false }) takes the shape without its materials"
     );
+    let (mut builder, limits, mut cache) = (Builder::new(), Limits::default(), AssetCache::default());
+    let mut assets = Assets::new(&host, &limits, &mut cache);
+    let mesh = load_obj_shape("m/a.obj", &mut assets, &mut builder).unwrap();
+    assert!(mesh.face_materials.is_empty());
+    assert!(builder.take_warnings().is_empty());
+}
+
+/// An L of six corners, from every corner on and both ways round: a fan would cover the notch.
+#[test]
+fn concave_polygons_keep_their_notch() {
+    let corners = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)];
+    let vertices: String = corners.iter().map(|(x, y)| format!("v {x} {y} 0\n")).collect();
+    for start in 0..6 {
+        for backwards in [false, true] {
+            let mut order: Vec<usize> = (0..6).map(|i| (start + i) % 6 + 1).collect();
+            if backwards {
+                order.reverse();
+            }
+            let face: Vec<String> = order.iter().map(ToString::to_string).collect();
+            let mesh = load(&format!("{vertices}f {}\n", face.join(" "))).mesh;
+            let areas: Vec<f64> = (0..mesh.triangles.len())
+                .map(|i| mesh.corners(i))
+                .map(|[a, b, c]| (b - a).cross(c - a).z / 2.0)
+                .collect();
+            let sign = if backwards { -1.0 } else { 1.0 };
+            assert!(
+                areas.iter().all(|area| area * sign > 0.0),
+                "{start} {backwards}: {areas:?}"
+            );
+            assert!((areas.iter().sum::<f64>() * sign - 3.0).abs() < 1e-12);
+        }
+    }
 }
 
 #[test]
