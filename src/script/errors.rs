@@ -93,8 +93,16 @@ pub(super) fn of_run(error: &EvalAltResult, context: &Context<'_>) -> Diagnostic
         pos = raised;
         file = source.unwrap_or(file);
     }
-    let d = run_message(error, pos, context.text(&file), context);
-    let mut d = context.place(d, &file, pos);
+    let mut d = match script_error(error).and_then(|e| e.of_file) {
+        Some(d) => {
+            calls.push(format!("named at {}", at(&file, pos)));
+            *d
+        }
+        None => {
+            let d = run_message(error, pos, context.text(&file), context);
+            context.place(d, &file, pos)
+        }
+    };
     calls.reverse();
     let left_out = calls.len().saturating_sub(FIRST_CALLS + LAST_CALLS);
     if left_out > 0 {

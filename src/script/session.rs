@@ -11,12 +11,18 @@ use std::{
 
 use rhai::{Dynamic, Module, Position};
 
-use super::{Picture, RunOptions, api::Stream, link::Remote, value::ScriptError};
+use super::{
+    Picture, RunOptions,
+    api::Stream,
+    link::Remote,
+    value::{Outcome, ScriptError},
+};
 use crate::{
     diag::{Diagnostic, ErrorKind, SourceLoc},
     host::{Host, resolve},
+    import::{AssetCache, Assets},
     limits::Limits,
-    scene::{Builder, Texture},
+    scene::Builder,
 };
 
 /// A source file of the run.
@@ -51,9 +57,8 @@ pub(crate) struct State {
     pub(crate) modules: BTreeMap<String, Arc<Module>>,
     /// Host paths of the modules being loaded, outermost first.
     pub(crate) loading: Vec<String>,
-    /// Textures by host path.
-    pub(crate) textures: BTreeMap<String, Arc<Texture>>,
-    files_read: usize,
+    /// Meshes and textures by host path, and the count of files.
+    pub(crate) assets: AssetCache,
     printed: usize,
     /// Time spent rendering, which does not count as the script's.
     pub(crate) rendering: Arc<AtomicU64>,
@@ -79,8 +84,7 @@ impl State {
             current_file,
             modules: BTreeMap::new(),
             loading: Vec::new(),
-            textures: BTreeMap::new(),
-            files_read: 0,
+            assets: AssetCache::default(),
             printed: 0,
             rendering: Arc::default(),
         }
@@ -112,16 +116,15 @@ impl State {
         resolve(named_in, path)
     }
 
-    /// The bytes of a file, counted against the limits.
-    pub(crate) fn read(&mut self, host_path: &str, max_bytes: u64) -> Result<Vec<u8>, Box<ScriptError>> {
-        if self.files_read >= self.limits.files {
-            return Err(limit("too many files are read", "files", self.limits.files));
-        }
-        self.files_read += 1;
-        Ok(self.host.read(host_path, max_bytes.min(self.limits.file_bytes))?)
+    /// The text file at `host_path`, at most `max_bytes` long, counted as every file is.
+    pub(crate) fn read(&mut self, host_path: &str, max_bytes: u64) -> Outcome<Vec<u8>> {
+        let mut limits = self.limits.clone();
+        limits.file_bytes = limits.file_bytes.min(max_bytes);
+        let bytes = Assets::new(&self.host, &limits, &mut self.assets).read(host_path);
+        bytes.map_err(ScriptError::from_file)
     }
 
-    /// Prints a line; false once the budget is used up.
+    /// Prints a line, as long as the budget lasts.
     fn print(&mut self, text: &str) {
         self.printed = self.printed.saturating_add(text.len() + 1);
         if self.printed <= self.limits.print_bytes {

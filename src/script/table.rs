@@ -15,13 +15,15 @@ pub enum Group {
     Camera,
     /// The matrix stack and blocks.
     Transform,
-    /// Shapes and meshes.
+    /// Shapes.
     Shapes,
     /// The material state and textures.
     Materials,
+    /// Meshes and pictures from files and arrays.
+    Assets,
     /// Lights.
     Lights,
-    /// Pictures: rendering and reading.
+    /// Rendering.
     Output,
     /// Vectors.
     Vectors,

@@ -70,6 +70,8 @@ pub(crate) struct ScriptError {
     pub(crate) hints: Vec<String>,
     /// Where it was raised, once it was: Rhai forgets the place of what ends a run inside a function.
     pub(crate) place: Option<(Option<String>, Position)>,
+    /// The error of a file that the script names, where that file is at fault: its place is there.
+    pub(crate) of_file: Option<Box<Diagnostic>>,
 }
 
 /// The result of a scene function.
@@ -88,6 +90,19 @@ impl ScriptError {
             message: message.into(),
             hints: Vec::new(),
             place: None,
+            of_file: None,
+        })
+    }
+
+    /// An error of a file. Without a place of its own it belongs to the call that names the file.
+    #[cold]
+    pub(crate) fn from_file(d: Diagnostic) -> Box<Self> {
+        Box::new(Self {
+            kind: d.kind,
+            message: d.message.clone(),
+            hints: d.hints.clone(),
+            place: None,
+            of_file: d.file.is_some().then(|| Box::new(d)),
         })
     }
 
@@ -133,6 +148,7 @@ impl From<SceneError> for Box<ScriptError> {
             message: e.message,
             hints: e.hint.into_iter().collect(),
             place: None,
+            of_file: None,
         })
     }
 }
@@ -140,21 +156,5 @@ impl From<SceneError> for Box<ScriptError> {
 impl From<HostError> for Box<ScriptError> {
     fn from(e: HostError) -> Self {
         ScriptError::of_kind(e.kind, e.message)
-    }
-}
-
-impl From<Diagnostic> for Box<ScriptError> {
-    fn from(d: Diagnostic) -> Self {
-        let place = match (&d.file, d.line) {
-            (Some(file), 0) => format!("{file}: "),
-            (Some(file), line) => format!("{file}:{line}: "),
-            (None, _) => String::new(),
-        };
-        Self::new(ScriptError {
-            kind: d.kind,
-            message: format!("{place}{}", d.message),
-            hints: d.hints,
-            place: None,
-        })
     }
 }

@@ -1,5 +1,6 @@
 //! The functions of the language, one file per group, each a list of entries of the one table.
 
+mod assets;
 mod camera;
 mod functions;
 mod lights;
@@ -20,11 +21,12 @@ use rhai::Module;
 use super::table::{Entry, Kind, Param};
 
 /// Every list, in the order of the reference.
-pub(super) const ALL: [&[Entry]; 9] = [
+pub(super) const ALL: [&[Entry]; 10] = [
     camera::ENTRIES,
     transform::ENTRIES,
     shapes::ENTRIES,
     materials::ENTRIES,
+    assets::ENTRIES,
     lights::ENTRIES,
     output::ENTRIES,
     vector::ENTRIES,

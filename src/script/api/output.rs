@@ -57,7 +57,10 @@ fn render(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     let scene = state.builder.snapshot();
     let clock = Clock::start();
     let rendered = state.host.render(scene);
-    let result = rendered.map_or_else(|| Err(stopped()), |r| r.map_err(|e| (*e.diagnostic).into()));
+    let result = rendered.map_or_else(
+        || Err(stopped()),
+        |r| r.map_err(|e| ScriptError::from_file(*e.diagnostic)),
+    );
     count_rendering(state, clock.elapsed());
     let report = result?;
     state.warnings.extend(report.warnings);

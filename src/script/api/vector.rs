@@ -84,16 +84,6 @@ pub(super) const ENTRIES: &[Entry] = &[
     .usage("distance([0, 0, 0], [3, 4, 0])")
     .example("print(distance([0, 0, 0], [3, 4, 0]));")
     .also(&["dist"]),
-    Entry::pure(Group::Vectors, "reflect", |call| {
-        let (v, n) = (call.vec3("v")?, call.vec3("n")?);
-        call.end()?;
-        Ok(Dynamic::from(v - n * (2.0 * v.dot(n))))
-    })
-    .takes(&[&[vec3("v", "none", "a direction"), vec3("n", "none", "a normal of length 1")]])
-    .returns("vec3")
-    .doc("The direction v mirrored at the plane with normal n.")
-    .usage("reflect([1, -1, 0], [0, 1, 0])")
-    .example("print(reflect([1, -1, 0], [0, 1, 0]));"),
 ];
 
 fn vector(call: &mut Call<'_, '_>, name: &str, f: impl Fn(DVec3) -> DVec3) -> Outcome {

@@ -1,8 +1,6 @@
 //! `import`: files of functions, read through the host.
 
-mod common;
-
-use common::{Notes, run_on};
+use crate::host::{Notes, run_on};
 use rtscript::{ErrorKind, Limits, RunOptions, Script};
 
 #[test]

@@ -1,8 +1,6 @@
 //! Bad input: every mistake has its message, its place and, where there is one, its remedy.
 
-mod common;
-
-use common::{Notes, try_run};
+use crate::host::{Notes, try_run};
 use rtscript::{
     ErrorKind::{self, Input, Limit, Script as Fault},
     Limits, RunOptions, Script,

@@ -1,8 +1,6 @@
 //! Numbers in scripts: the same bits everywhere, ints and floats alike, `**` as Rhai defines it.
 
-mod common;
-
-use common::{printed, run, try_run};
+use crate::host::{printed, run, try_run};
 use rtscript::math;
 
 /// The bits of what a script prints as a float; printing is exact, and so is reading it back.

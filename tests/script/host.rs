@@ -1,6 +1,4 @@
-//! What the tests of scripts share.
-
-#![allow(dead_code, reason = "each test file takes what it needs")]
+//! A host for tests, and scripts run on it.
 
 use std::{collections::BTreeMap, sync::Mutex};
 
@@ -8,7 +6,7 @@ use rtscript::{Error, ErrorKind, Host, HostError, Image, Limits, Report, Run, Ru
 
 /// A host that has a few files and keeps what is printed and written.
 #[derive(Default)]
-pub struct Notes {
+pub(crate) struct Notes {
     files: BTreeMap<String, Vec<u8>>,
     printed: Mutex<Vec<String>>,
     written: Mutex<Vec<String>>,
@@ -16,7 +14,7 @@ pub struct Notes {
 
 impl Notes {
     /// A host with these files.
-    pub fn with(files: &[(&str, &str)]) -> Self {
+    pub(crate) fn with(files: &[(&str, &str)]) -> Self {
         let files = files
             .iter()
             .map(|(name, text)| ((*name).to_owned(), text.as_bytes().to_vec()))
@@ -28,17 +26,17 @@ impl Notes {
     }
 
     /// Adds a file.
-    pub fn insert(&mut self, name: &str, bytes: Vec<u8>) {
+    pub(crate) fn insert(&mut self, name: &str, bytes: Vec<u8>) {
         self.files.insert(name.to_owned(), bytes);
     }
 
     /// Lines printed so far.
-    pub fn printed(&self) -> Vec<String> {
+    pub(crate) fn printed(&self) -> Vec<String> {
         self.printed.lock().unwrap().clone()
     }
 
     /// Pictures written so far, as "name width x height".
-    pub fn written(&self) -> Vec<String> {
+    pub(crate) fn written(&self) -> Vec<String> {
         self.written.lock().unwrap().clone()
     }
 }
@@ -67,17 +65,17 @@ impl Host for Notes {
 }
 
 /// Runs a script on a host.
-pub fn run_on(host: &Notes, source: &str) -> Result<Report<Run>, Error> {
+pub(crate) fn run_on(host: &Notes, source: &str) -> Result<Report<Run>, Error> {
     Script::compile("scene.rhai", source, &Limits::default())?.run(host, &RunOptions::default())
 }
 
 /// Runs a script on a host without files.
-pub fn try_run(source: &str) -> Result<Report<Run>, Error> {
+pub(crate) fn try_run(source: &str) -> Result<Report<Run>, Error> {
     run_on(&Notes::default(), source)
 }
 
 /// Runs a script that must be right.
-pub fn run(source: &str) -> Run {
+pub(crate) fn run(source: &str) -> Run {
     match try_run(source) {
         Ok(report) => report.value,
         Err(e) => panic!("{e}\n{source}"),
@@ -85,7 +83,7 @@ pub fn run(source: &str) -> Run {
 }
 
 /// What a script prints.
-pub fn printed(source: &str) -> Vec<String> {
+pub(crate) fn printed(source: &str) -> Vec<String> {
     let host = Notes::default();
     if let Err(e) = run_on(&host, source) {
         panic!("{e}\n{source}");

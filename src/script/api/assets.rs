@@ -1,0 +1,201 @@
+//! Files and arrays that become meshes and textures.
+
+use std::sync::Arc;
+
+use rhai::{Array, Dynamic, Map};
+
+use super::{map, string};
+use crate::{
+    diag::Diagnostic,
+    host::resolve,
+    import::{Assets, load_obj, mesh_from_arrays},
+    math::{DVec2, DVec3},
+    scene::{Builder, Mesh},
+    script::{
+        call::{Call, kind_of, number_of},
+        session::State,
+        table::{DONE, Entry, Group},
+        value::{ImageValue, Outcome, ScriptError},
+    },
+};
+
+const KEYS: [&str; 4] = ["indices", "normals", "positions", "uvs"];
+
+pub(super) const ENTRIES: &[Entry] = &[
+    Entry::scene(Group::Assets, "mesh", mesh)
+        .takes(&[
+            &[string("file", "an OBJ file, relative to the script that names it")],
+            &[map("data", "positions, and any of indices, normals and uvs")],
+        ])
+        .doc("A triangle mesh: from a file, with its normals, materials and textures; or from arrays. positions and normals are points or one flat list, uvs are pairs or one flat list, indices count from 0, three for each triangle. Without indices every three positions are a triangle; without normals the mesh is flat.")
+        .usage("mesh(#{ positions: [[0, 0, 0], [1, 0, 0], [0, 1, 0]] })")
+        .example("light([2, 4, 5], [1, 1, 1]);\ndiffuse(0.8, 0.6, 0.3);\nmesh(#{\n  positions: [[-1, -1, 0], [1, -1, 0], [1, 1, -1], [-1, 1, -1]],\n  indices: [0, 1, 2, 0, 2, 3],\n});\ntranslate(0, 0, 1);\nmesh(\"tetrahedron.obj\");")
+        .also(&["obj", "model", "loadObj", "import", "triangleMesh"]),
+    Entry::scene(Group::Assets, "image", image)
+        .takes(&[&[string("file", "a PNG or JPEG file, relative to the script that names it")]])
+        .returns("image")
+        .doc("A picture from a file. It can be looked at (.width, .height, .pixel(x, y)) and stands wherever a color of a material may; times a number or a color it is dimmed or tinted.")
+        .usage("image(\"wood.png\")")
+        .example("light([2, 4, 5], [1, 1, 1]);\nlet wood = image(\"wood.png\");\ndiffuse(wood * 0.9);\nspecular(0.1, 0.1, 0.1);\nsphere(0, 0, 0, 1);")
+        .also(&["texture", "loadImage", "loadTexture", "picture"]),
+];
+
+/// Runs `load` on the files of the current source. An error that belongs to a file keeps its place there.
+fn with_assets<T>(
+    state: &mut State,
+    path: &str,
+    load: impl FnOnce(&str, &mut Assets<'_>, &mut Builder) -> Result<T, Box<Diagnostic>>,
+) -> Outcome<T> {
+    let host_path = state.host_path(path);
+    let loc = state.builder.loc();
+    let mut assets = Assets::new(&state.host, &state.limits, &mut state.assets);
+    let loaded = load(&host_path, &mut assets, &mut state.builder);
+    state.builder.set_loc(loc);
+    loaded.map_err(|mut d| {
+        // As the reader knows the file: next to the script.
+        let main = state.sources.first().map_or("", |s| s.name.as_str());
+        d.file = d.file.map(|file| resolve(main, &file).into());
+        ScriptError::from_file(*d)
+    })
+}
+
+fn image(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let file = call.string("file")?;
+    call.end()?;
+    let texture = with_assets(state, &file, |path, assets, _| {
+        assets.texture(path).map_err(Box::new)
+    })?;
+    match ImageValue::of(&texture) {
+        Some(image) => Ok(Dynamic::from(image)),
+        None => Err(call.error("file is no picture")),
+    }
+}
+
+fn mesh(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let given = call.any()?;
+    call.end()?;
+    let mesh = if let Some(data) = given.read_lock::<Map>() {
+        Arc::new(from_arrays(call, &data)?)
+    } else if let Ok(file) = given.clone().into_immutable_string() {
+        with_assets(state, &file, |path, assets, builder| {
+            load_obj(path, assets, builder).map_err(Box::new)
+        })?
+    } else {
+        return Err(call
+            .error(format!(
+                "it takes the name of an OBJ file or a map of arrays, not {}",
+                kind_of(given)
+            ))
+            .hint(format!("for example {}", call.entry.usage)));
+    };
+    state.builder.mesh(&mesh)?;
+    DONE
+}
+
+fn from_arrays(call: &Call<'_, '_>, data: &Map) -> Outcome<Mesh> {
+    call.known_keys(data, &KEYS)?;
+    let Some(positions) = data.get("positions") else {
+        return Err(call
+            .error("the map needs positions")
+            .hint(format!("for example {}", call.entry.usage)));
+    };
+    let vectors = |name: &str, d: &Dynamic| -> Outcome<Vec<DVec3>> {
+        let flat = tuples::<3>(call, name, d)?;
+        Ok(flat.into_iter().map(DVec3::from_array).collect())
+    };
+    let optional = |name: &str| data.get(name).filter(|d| !d.is_unit());
+    let positions = vectors("positions", positions)?;
+    let normals = optional("normals").map(|d| vectors("normals", d)).transpose()?;
+    let uvs = optional("uvs").map(|d| tuples::<2>(call, "uvs", d)).transpose()?;
+    let uvs = uvs.map(|uvs| uvs.into_iter().map(DVec2::from_array).collect());
+    let indices = optional("indices").map(|d| indices(call, d)).transpose()?;
+    Ok(mesh_from_arrays(positions, indices.as_deref(), normals, uvs)?)
+}
+
+/// A list of `N` numbers each: nested, or one flat list.
+fn tuples<const N: usize>(call: &Call<'_, '_>, name: &str, d: &Dynamic) -> Outcome<Vec<[f64; N]>> {
+    let Some(array) = d.read_lock::<Array>() else {
+        return Err(call.wrong_kind(name, "an array", d));
+    };
+    if array.first().and_then(number_of).is_some() {
+        let numbers: Outcome<Vec<f64>> = array
+            .iter()
+            .enumerate()
+            .map(|(i, d)| number(call, || format!("{name}[{i}]"), d))
+            .collect();
+        let numbers = numbers?;
+        let (tuples, rest) = numbers.as_chunks::<N>();
+        if !rest.is_empty() {
+            return Err(call.error(format!(
+                "{name} has {} numbers, which do not come in {N}s",
+                array.len()
+            )));
+        }
+        return Ok(tuples.to_vec());
+    }
+    array
+        .iter()
+        .enumerate()
+        .map(|(i, d)| tuple::<N>(call, &|| format!("{name}[{i}]"), d))
+        .collect()
+}
+
+fn tuple<const N: usize>(call: &Call<'_, '_>, name: &dyn Fn() -> String, d: &Dynamic) -> Outcome<[f64; N]> {
+    let mut to = [0.0; N];
+    if let Some(v) = d.read_lock::<DVec3>() {
+        // A vec3 stands for a point, or for a uv of which the third component is of no use.
+        to.iter_mut().zip(v.to_array()).for_each(|(to, x)| *to = x);
+        return Ok(to);
+    }
+    let Some(array) = d.read_lock::<Array>() else {
+        return Err(call.error(format!("{} must be {N} numbers, not {}", name(), kind_of(d))));
+    };
+    if array.len() != N {
+        return Err(call.error(format!("{} must be {N} numbers, not {}", name(), array.len())));
+    }
+    for (i, (to, d)) in to.iter_mut().zip(array.iter()).enumerate() {
+        *to = number(call, || format!("{}[{i}]", name()), d)?;
+    }
+    Ok(to)
+}
+
+fn number(call: &Call<'_, '_>, name: impl FnOnce() -> String, d: &Dynamic) -> Outcome<f64> {
+    match number_of(d) {
+        Some(x) if x.is_finite() => Ok(x),
+        _ => call.number_from(&name(), d),
+    }
+}
+
+/// Ints, nested in threes or one flat list.
+fn indices(call: &Call<'_, '_>, d: &Dynamic) -> Outcome<Vec<i64>> {
+    let Some(array) = d.read_lock::<Array>() else {
+        return Err(call.wrong_kind("indices", "an array", d));
+    };
+    let mut all = Vec::with_capacity(array.len());
+    for (i, d) in array.iter().enumerate() {
+        if let Some(triangle) = d.read_lock::<Array>() {
+            if triangle.len() != 3 {
+                return Err(call
+                    .error(format!("indices[{i}] must be 3 ints, not {}", triangle.len()))
+                    .hint("cut it into triangles: a, b, c, d is a, b, c and a, c, d"));
+            }
+            for (j, d) in triangle.iter().enumerate() {
+                all.push(index(call, || format!("indices[{i}][{j}]"), d)?);
+            }
+        } else {
+            all.push(index(call, || format!("indices[{i}]"), d)?);
+        }
+    }
+    Ok(all)
+}
+
+fn index(call: &Call<'_, '_>, name: impl FnOnce() -> String, d: &Dynamic) -> Outcome<i64> {
+    if let Ok(i) = d.as_int() {
+        return Ok(i);
+    }
+    match number_of(d) {
+        Some(x) if x.trunc() == x && x.abs() < 9.0e15 => Ok(x as i64),
+        Some(x) => Err(call.error(format!("{} must be a whole number, not {x}", name()))),
+        None => Err(call.error(format!("{} must be a whole number, not {}", name(), kind_of(d)))),
+    }
+}

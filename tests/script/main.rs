@@ -1,0 +1,15 @@
+//! The language: what scripts mean, and what is said of those that mean nothing.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that fails panics"
+)]
+
+mod assets;
+mod host;
+mod maths;
+mod mistakes;
+mod modules;
+mod scenes;
