@@ -5,6 +5,8 @@
 //! ```
 
 pub mod accel;
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod color;
 pub mod diag;
 pub mod host;
@@ -16,6 +18,8 @@ pub mod render;
 pub mod scene;
 pub mod script;
 pub mod shape;
+pub mod source;
+pub mod testing;
 
 pub use diag::{Diagnostic, Error, ErrorKind, Report};
 pub use host::{DirHost, Host, HostError, MemoryHost, NoHost};

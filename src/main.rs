@@ -1,3 +1,7 @@
 //! The `rtscript` command.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    ExitCode::from(rtscript::cli::run(std::env::args_os()))
+}

@@ -1,0 +1,167 @@
+//! The command's outside world: files below the script's folder, the terminal, signals, pictures below the
+//! current folder.
+
+use std::{
+    fs,
+    io::Write,
+    path::{Component, Path, PathBuf},
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    time::{Duration, Instant},
+};
+
+use super::{progress::ProgressLine, signals::Signals};
+use crate::{
+    diag::ErrorKind,
+    host::{DirHost, Host, HostError},
+    output,
+    render::{Image, Progress},
+};
+
+/// The host of one scene.
+#[derive(Debug)]
+pub(super) struct CliHost {
+    assets: DirHost,
+    signals: Arc<Signals>,
+    progress: ProgressLine,
+    /// Standard output carries the picture, so what the script prints goes to standard error.
+    stdout_is_taken: bool,
+    seen: Mutex<Seen>,
+}
+
+/// What went through the host.
+#[derive(Debug, Default)]
+struct Seen {
+    /// The scene and every file read for it: a picture must not overwrite them.
+    inputs: Vec<PathBuf>,
+    reading: Duration,
+    writing: Duration,
+}
+
+impl CliHost {
+    /// A host for the scene `script`, whose assets are read below `root`.
+    pub(super) fn new(
+        root: &Path,
+        script: Option<&Path>,
+        signals: Arc<Signals>,
+        progress: ProgressLine,
+        stdout_is_taken: bool,
+    ) -> Self {
+        Self {
+            assets: DirHost::new(root),
+            signals,
+            progress,
+            stdout_is_taken,
+            seen: Mutex::new(Seen {
+                inputs: script.map(Path::to_owned).into_iter().collect(),
+                ..Seen::default()
+            }),
+        }
+    }
+
+    /// The files the picture is made from, so far.
+    pub(super) fn inputs(&self) -> Vec<PathBuf> {
+        self.seen().inputs.clone()
+    }
+
+    /// Time spent reading assets and writing pictures that the script named.
+    pub(super) fn times(&self) -> (Duration, Duration) {
+        let seen = self.seen();
+        (seen.reading, seen.writing)
+    }
+
+    /// Takes the progress line off the terminal.
+    pub(super) fn clear_progress(&self) {
+        self.progress.clear();
+    }
+
+    fn seen(&self) -> MutexGuard<'_, Seen> {
+        self.seen.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Host for CliHost {
+    fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, HostError> {
+        let start = Instant::now();
+        let bytes = self.assets.read(path, max_bytes);
+        let mut seen = self.seen();
+        seen.reading += start.elapsed();
+        if bytes.is_ok() {
+            seen.inputs.push(self.assets.root().join(path));
+        }
+        bytes
+    }
+
+    fn print(&self, text: &str) {
+        self.progress.clear();
+        // A reader that went away does not end the render.
+        let _ = if self.stdout_is_taken {
+            writeln!(std::io::stderr().lock(), "{text}")
+        } else {
+            writeln!(std::io::stdout().lock(), "{text}")
+        };
+    }
+
+    fn should_stop(&self) -> bool {
+        self.signals.caught().is_some()
+    }
+
+    fn progress(&self, progress: &Progress) {
+        self.progress.update(progress);
+    }
+
+    fn write_image(&self, name: &str, image: &Image) -> Result<(), HostError> {
+        self.progress.clear();
+        let start = Instant::now();
+        let path = below_current_folder(name)?;
+        output::check_target(&path, &self.inputs())?;
+        output::save(&path, image)?;
+        self.seen().writing += start.elapsed();
+        Ok(())
+    }
+}
+
+/// The path of a picture that a script names: relative, without `..`, and not through a link that leads out of
+/// the current folder.
+fn below_current_folder(name: &str) -> Result<PathBuf, HostError> {
+    let denied = |why: &str| {
+        Err(HostError::new(
+            ErrorKind::Denied,
+            format!("'{name}' {why}; a script writes below the current folder only"),
+        ))
+    };
+    let path = Path::new(name);
+    for component in path.components() {
+        match component {
+            Component::Normal(_) | Component::CurDir => {}
+            Component::ParentDir => return denied("goes through '..'"),
+            Component::RootDir | Component::Prefix(_) => return denied("is an absolute path"),
+        }
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if let Some(folder) = folder
+        && let (Ok(folder), Ok(current)) = (fs::canonicalize(folder), fs::canonicalize("."))
+        && !folder.starts_with(current)
+    {
+        return denied("leads outside through a link");
+    }
+    Ok(path.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_stay_below_the_current_folder() {
+        for good in ["a.png", "./a.png", "sub/folder/a.png"] {
+            assert_eq!(below_current_folder(good), Ok(PathBuf::from(good)));
+        }
+        for bad in ["/tmp/a.png", "../a.png", "sub/../../a.png", "sub/.."] {
+            assert_eq!(
+                below_current_folder(bad).unwrap_err().kind,
+                ErrorKind::Denied,
+                "{bad}"
+            );
+        }
+    }
+}

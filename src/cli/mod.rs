@@ -1,0 +1,189 @@
+//! The `rtscript` command: arguments, files and signals around the library.
+//!
+//! Standard output carries pixels (`-o -`), converted scripts and what scripts print; all else goes to standard
+//! error. The library underneath never prints and opens no file.
+
+mod args;
+mod convert;
+mod guard;
+mod host;
+mod input;
+mod job;
+mod progress;
+mod report;
+mod signals;
+mod stats;
+
+use std::{
+    collections::BTreeMap,
+    ffi::OsString,
+    io::{self, Write},
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use clap::{CommandFactory, Parser, error::ErrorKind as UsageError};
+
+use self::{
+    args::{Cli, Command, RenderArgs},
+    input::Input,
+    job::{Job, Target},
+    report::Reporter,
+    signals::Signals,
+};
+use crate::{
+    diag::{Diagnostic, Error, ErrorKind},
+    host::HostError,
+};
+
+/// Does what the arguments ask for (the first is the program's name) and returns the exit code: 0 done, 1 script
+/// or scene error, 2 usage, 3 input missing or malformed, 4 output cannot be written, 5 a limit was hit, 6 access
+/// denied, 70 internal error, 128 + n stopped by signal n.
+pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
+    let cli = match Cli::try_parse_from(args) {
+        Ok(cli) => cli,
+        Err(error) => return usage(&error),
+    };
+    guard::silence();
+    let signals = Signals::install();
+    match cli.command {
+        Some(Command::Convert(args)) => {
+            let result = guard::guarded(|| convert::convert(&args));
+            finish(result, Reporter::new(false), &signals)
+        }
+        Some(Command::Render(args)) => render(&args, &signals),
+        None => render(&cli.render, &signals),
+    }
+}
+
+/// Renders all files; one that fails does not keep the others from being rendered. The exit code is that of the
+/// first that failed.
+fn render(args: &RenderArgs, signals: &Arc<Signals>) -> u8 {
+    let jobs = match jobs(args) {
+        Ok(jobs) => jobs,
+        Err(message) => return usage(&Cli::command().error(UsageError::ArgumentConflict, message)),
+    };
+    let reporter = Reporter::new(args.quiet);
+    let mut code = 0;
+    for job in &jobs {
+        let result = guard::guarded(|| job.run(args, signals, reporter));
+        let this = finish(result, reporter, signals);
+        code = if code == 0 { this } else { code };
+        if signals.caught().is_some() {
+            break;
+        }
+    }
+    code
+}
+
+/// Which file goes where, checked as a whole.
+fn jobs(args: &RenderArgs) -> Result<Vec<Job>, String> {
+    let inputs: Vec<Input> = args.files.iter().map(|path| Input::new(path)).collect();
+    if inputs.iter().filter(|input| input.is_stdin()).count() > 1 {
+        return Err("standard input can be read only once, but - is given more than once".to_owned());
+    }
+    let folder = match args.output.as_deref() {
+        Some(output) if inputs.len() == 1 => {
+            let target = if output == Path::new("-") {
+                Target::Stdout
+            } else {
+                Target::Given(output.to_owned())
+            };
+            return Ok(inputs
+                .into_iter()
+                .map(|input| Job {
+                    input,
+                    target: target.clone(),
+                })
+                .collect());
+        }
+        Some(output) if output.is_dir() => Some(output.to_owned()),
+        Some(output) => {
+            return Err(format!(
+                "with several scenes -o must name a folder that exists, which '{}' does not",
+                output.display()
+            ));
+        }
+        None => None,
+    };
+    let mut taken: BTreeMap<PathBuf, String> = BTreeMap::new();
+    let mut jobs = Vec::new();
+    for input in inputs {
+        let name = input.picture_name();
+        let target = match &folder {
+            Some(folder) => Target::Given(folder.join(name)),
+            None => Target::Default(name),
+        };
+        if let Some(path) = target.path()
+            && let Some(other) = taken.insert(path.to_owned(), input.name().to_owned())
+        {
+            return Err(format!(
+                "'{other}' and '{}' would both be written to '{}'; render one of them by itself with -o",
+                input.name(),
+                path.display()
+            ));
+        }
+        jobs.push(Job { input, target });
+    }
+    Ok(jobs)
+}
+
+fn usage(error: &clap::Error) -> u8 {
+    // Where the terminal is closed, nobody is left to tell.
+    let _ = error.print();
+    u8::try_from(error.exit_code()).unwrap_or(2)
+}
+
+/// Reports an error and gives the exit code.
+fn finish(result: Result<(), Error>, reporter: Reporter, signals: &Signals) -> u8 {
+    let Err(error) = result else { return 0 };
+    reporter.error(&error);
+    exit_code(error.kind(), signals.caught())
+}
+
+/// The one place where an error becomes an exit code; `signal` is the number of the signal that came, if one did.
+fn exit_code(kind: ErrorKind, signal: Option<i32>) -> u8 {
+    match kind {
+        ErrorKind::Script => 1,
+        ErrorKind::Input => 3,
+        ErrorKind::Output => 4,
+        ErrorKind::Limit => 5,
+        ErrorKind::Denied => 6,
+        ErrorKind::Cancelled => signal.and_then(|n| u8::try_from(128 + n).ok()).unwrap_or(130),
+        ErrorKind::Internal => 70,
+    }
+}
+
+/// Writes to standard output. A reader that went away has what it wanted.
+fn write_stdout(bytes: &[u8]) -> Result<(), HostError> {
+    let mut out = io::stdout().lock();
+    match out.write_all(bytes).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(HostError::new(
+            ErrorKind::Output,
+            format!("cannot write to standard output: {}", crate::output::reason(&e)),
+        )),
+        _ => Ok(()),
+    }
+}
+
+fn without_place(error: HostError) -> Error {
+    Diagnostic::error(error.kind, error.message).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_of_error_has_its_code() {
+        let code = |kind| exit_code(kind, None);
+        assert_eq!(code(ErrorKind::Script), 1);
+        assert_eq!(code(ErrorKind::Input), 3);
+        assert_eq!(code(ErrorKind::Output), 4);
+        assert_eq!(code(ErrorKind::Limit), 5);
+        assert_eq!(code(ErrorKind::Denied), 6);
+        assert_eq!(code(ErrorKind::Internal), 70);
+        let stopped = [2, 15, 1].map(|signal| exit_code(ErrorKind::Cancelled, Some(signal)));
+        assert_eq!(stopped, [130, 143, 129]);
+    }
+}

@@ -1,0 +1,81 @@
+//! SIGINT, SIGTERM and SIGHUP: the first stops the render, the second the process.
+
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, AtomicI32, Ordering},
+};
+
+/// Which signal came, if any.
+#[derive(Debug, Default)]
+pub(super) struct Signals {
+    /// Number of the first signal; 0 before one came.
+    caught: AtomicI32,
+    /// Whether somebody looks at `caught`. While a file is read nobody does: reading a terminal may wait for
+    /// ever, so that a signal must end the process at once.
+    armed: AtomicBool,
+}
+
+impl Signals {
+    /// Takes over the process's signals. Those that the parent chose to ignore stay ignored, as `nohup` wants.
+    pub(super) fn install() -> Arc<Self> {
+        let signals = Arc::new(Self::default());
+        #[cfg(unix)]
+        unix::listen(&signals);
+        signals
+    }
+
+    /// Says whether [`Signals::caught`] is being looked at; otherwise a signal ends the process.
+    pub(super) fn arm(&self, armed: bool) {
+        self.armed.store(armed, Ordering::SeqCst);
+    }
+
+    /// The number of the signal that asks to stop.
+    pub(super) fn caught(&self) -> Option<i32> {
+        match self.caught.load(Ordering::Relaxed) {
+            0 => None,
+            signal => Some(signal),
+        }
+    }
+}
+
+#[cfg(unix)]
+mod unix {
+    use super::{Arc, Ordering};
+    use signal_hook::{
+        consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ},
+        iterator::Signals as Listener,
+        low_level,
+    };
+
+    /// Starts the thread that receives signals. Where it cannot be started, signals keep the system's meaning.
+    pub(super) fn listen(signals: &Arc<super::Signals>) {
+        let ignored = ignored();
+        // SIGXFSZ is taken only to be survived: the write then reports that the file is too large.
+        let wanted = [SIGINT, SIGTERM, SIGHUP, SIGXFSZ];
+        let taken = wanted.into_iter().filter(|s| ignored & (1 << (s - 1)) == 0);
+        let Ok(mut listener) = Listener::new(taken) else {
+            return;
+        };
+        let signals = Arc::clone(signals);
+        let thread = std::thread::Builder::new().name("signals".to_owned());
+        let _ = thread.spawn(move || {
+            for signal in listener.forever().filter(|s| *s != SIGXFSZ) {
+                let first = signals
+                    .caught
+                    .compare_exchange(0, signal, Ordering::SeqCst, Ordering::SeqCst);
+                if first.is_err() || !signals.armed.load(Ordering::SeqCst) {
+                    low_level::exit(128 + signal);
+                }
+            }
+        });
+    }
+
+    /// Bit n - 1 is set where the parent made this process ignore signal n. Read from a file, because asking the
+    /// system takes unsafe code; where there is no such file (not Linux), none is held to be ignored.
+    fn ignored() -> u64 {
+        let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+        let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+        mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok())
+            .unwrap_or(0)
+    }
+}
