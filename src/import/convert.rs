@@ -28,7 +28,7 @@ const TABLE_WIDTH: usize = 100;
 /// The same as [`load_course`]: what does not load is not converted.
 pub fn script_from_course(name: &str, source: &str) -> Result<String, Diagnostic> {
     load_course(name, source, &mut Builder::new())?;
-    let source = Source::new(name, source, ErrorKind::Script);
+    let source = Source::new(name, source, ErrorKind::Input);
     let mut script = Script::default();
     for line in lines(source.text) {
         match Command::parse(&source, line)? {
@@ -206,7 +206,7 @@ impl Script {
 
 /// A comment as the script has it; where it holds a command, that command's call.
 fn commented(text: &str) -> String {
-    let source = Source::new("", text, ErrorKind::Script);
+    let source = Source::new("", text, ErrorKind::Input);
     if let Ok(Some((_, command))) = Command::parse(&source, text)
         && let Some(call) = call(&command)
     {

@@ -29,7 +29,7 @@ pub struct Course {
 /// An unknown command, a wrong number of values, a value that is no finite number, a vertex that is not
 /// listed yet, or whatever the [`Builder`] refuses; with file, line and column.
 pub fn load_course(name: &str, source: &str, builder: &mut Builder) -> Result<Course, Diagnostic> {
-    let source = Source::new(name, source, ErrorKind::Script);
+    let source = Source::new(name, source, ErrorKind::Input);
     let mut loader = Loader {
         file: builder.file(name),
         source,
