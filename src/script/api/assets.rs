@@ -8,7 +8,7 @@ use super::{map, string};
 use crate::{
     diag::Diagnostic,
     host::resolve,
-    import::{Assets, load_obj, mesh_from_arrays},
+    import::{Assets, load_obj, load_obj_shape, mesh_from_arrays},
     math::{DVec2, DVec3},
     scene::{Builder, Mesh},
     script::{
@@ -26,8 +26,12 @@ pub(super) const ENTRIES: &[Entry] = &[
         .takes(&[
             &[string("file", "an OBJ file, relative to the script that names it")],
             &[map("data", "positions, and any of indices, normals and uvs")],
+            &[
+                string("file", "an OBJ file, relative to the script that names it"),
+                map("options", "materials: whether to read the file's materials; true unless given"),
+            ],
         ])
-        .doc("A triangle mesh: from a file, with its normals, materials and textures; or from arrays. positions and normals are points or one flat list, uvs are pairs or one flat list, indices count from 0, three for each triangle. Without indices every three positions are a triangle; without normals the mesh is flat.")
+        .doc("A triangle mesh: from a file, with its normals, materials and textures; with #{ materials: false } its shape alone, in the current material; or from arrays. positions and normals are points or one flat list, uvs are pairs or one flat list, indices count from 0, three for each triangle. Without indices every three positions are a triangle; without normals the mesh is flat.")
         .usage("mesh(#{ positions: [[0, 0, 0], [1, 0, 0], [0, 1, 0]] })")
         .example("light([2, 4, 5], [1, 1, 1]);\ndiffuse(0.8, 0.6, 0.3);\nmesh(#{\n  positions: [[-1, -1, 0], [1, -1, 0], [1, 1, -1], [-1, 1, -1]],\n  indices: [0, 1, 2, 0, 2, 3],\n});\ntranslate(0, 0, 1);\nmesh(\"tetrahedron.obj\");")
         .also(&["obj", "model", "loadObj", "import", "triangleMesh"]),
@@ -73,12 +77,17 @@ fn image(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
 
 fn mesh(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     let given = call.any()?;
+    let with_materials = match call.rest() {
+        0 => true,
+        _ => wants_materials(call)?,
+    };
     call.end()?;
     let mesh = if let Some(data) = given.read_lock::<Map>() {
         Arc::new(from_arrays(call, &data)?)
     } else if let Ok(file) = given.clone().into_immutable_string() {
         with_assets(state, &file, |path, assets, builder| {
-            load_obj(path, assets, builder).map_err(Box::new)
+            let load = if with_materials { load_obj } else { load_obj_shape };
+            load(path, assets, builder).map_err(Box::new)
         })?
     } else {
         return Err(call
@@ -90,6 +99,19 @@ fn mesh(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     };
     state.builder.mesh(&mesh)?;
     DONE
+}
+
+/// The options of `mesh(file, #{ materials: false })`.
+fn wants_materials(call: &mut Call<'_, '_>) -> Outcome<bool> {
+    let options = call.any()?;
+    let Some(options) = options.read_lock::<Map>() else {
+        return Err(call.wrong_kind("options", "a map", options));
+    };
+    call.known_keys(&options, &["materials"])?;
+    match options.get("materials") {
+        Some(wanted) => wanted.as_bool().map_err(|_| call.wrong_kind("materials", "true or false", wanted)),
+        None => Ok(true),
+    }
 }
 
 fn from_arrays(call: &Call<'_, '_>, data: &Map) -> Outcome<Mesh> {
