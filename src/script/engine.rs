@@ -23,24 +23,16 @@ use super::{
     modules::Resolver,
     power,
     session::{Clock, Session},
-    table::{Entry, Run, entries},
+    table::{CONSTANTS, Entry, Run, entries},
     value::{Outcome, ScriptError},
 };
 use crate::{
     diag::ErrorKind,
     limits::Limits,
-    math::PI,
     scene::{GroupMark, SceneError},
 };
 
 type EvalResult = Result<Dynamic, Box<EvalAltResult>>;
-
-/// Numbers every script knows, inside its functions too.
-const CONSTANTS: [(&str, f64); 3] = [
-    ("PI", PI),
-    ("TAU", std::f64::consts::TAU),
-    ("E", std::f64::consts::E),
-];
 
 /// Rhai names closures by a hash; with this seed the names stay the same from run to run.
 const HASHING_SEED: [u64; 4] = [0x7274, 0x7363, 0x7269, 0x7074];
@@ -68,7 +60,7 @@ fn scene_module() -> Module {
         let arities = entry.arities();
         for &arity in &arities {
             for types in parameter_types(arity) {
-                register(&mut module, entry.name, &types, move |ctx, args| {
+                register(&mut module, entry.name, &types, Purity::Pure, move |ctx, args| {
                     invoke(entry, ctx, args)
                 });
             }
@@ -81,6 +73,7 @@ fn scene_module() -> Module {
                 &mut module,
                 entry.name,
                 &vec![TypeId::of::<Dynamic>(); arity],
+                Purity::Pure,
                 move |ctx, args| {
                     let e = wrong_count(entry, args.len());
                     Err(e.raise_in(ctx.call_source(), ctx.call_position()))
@@ -88,17 +81,23 @@ fn scene_module() -> Module {
             );
         }
     }
-    for (name, value) in CONSTANTS {
-        module.set_var(name, value);
+    for constant in CONSTANTS {
+        module.set_var(constant.name, constant.value);
     }
     for name in power::OPERATORS {
-        register(&mut module, name, &[TypeId::of::<Dynamic>(); 2], |ctx, args| {
-            let pos = ctx.call_position();
-            match args {
-                [x, y] => power::power(x, y).map_err(|e| e.raise(pos)),
-                _ => Err(internal("** without two operands").raise(pos)),
-            }
-        });
+        register(
+            &mut module,
+            name,
+            &[TypeId::of::<Dynamic>(); 2],
+            Purity::Pure,
+            |ctx, args| {
+                let pos = ctx.call_position();
+                match args {
+                    [x, y] => power::power(x, y).map_err(|e| e.raise(pos)),
+                    _ => Err(internal("** without two operands").raise(pos)),
+                }
+            },
+        );
     }
     api::extend(&mut module);
     module.build_index();
@@ -121,11 +120,19 @@ fn parameter_types(arity: usize) -> Vec<Vec<TypeId>> {
     })
 }
 
-/// Registers a function that is never folded at compile time and may be given constants.
+/// Whether a function leaves its first argument alone, so that it may be given a constant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Purity {
+    Pure,
+    Changes,
+}
+
+/// Registers a function that is never folded at compile time.
 pub(super) fn register(
     module: &mut Module,
     name: &str,
     types: &[TypeId],
+    purity: Purity,
     run: impl Fn(&NativeCallContext<'_>, &mut [&mut Dynamic]) -> EvalResult + Send + Sync + 'static,
 ) {
     FuncRegistration::new(name)
@@ -141,7 +148,7 @@ pub(super) fn register(
                     },
                 ),
                 has_context: true,
-                is_pure: true,
+                is_pure: purity == Purity::Pure,
                 is_volatile: true,
             },
         );
@@ -184,7 +191,8 @@ pub(super) fn compiler(limits: &Limits) -> Result<Engine, Box<ScriptError>> {
         .set_strict_variables(true)
         .set_fail_on_invalid_map_property(true)
         .set_fast_operators(true)
-        .set_max_operations(limits.operations)
+        // Counted by `Session::watch`.
+        .set_max_operations(0)
         .set_max_call_levels(limits.call_levels)
         .set_max_expr_depths(limits.expression_depth, limits.expression_depth)
         .set_max_string_size(limits.string_bytes)
@@ -225,8 +233,8 @@ fn read_tokens(engine: &mut Engine, limits: &Limits) {
 pub(super) fn compile(source: &str, limits: &Limits) -> Result<Result<AST, ParseError>, Box<ScriptError>> {
     let engine = compiler(limits)?;
     let mut scope = Scope::new();
-    for (name, value) in CONSTANTS {
-        scope.push_constant(name, value);
+    for constant in CONSTANTS {
+        scope.push_constant(constant.name, constant.value);
     }
     Ok(engine.compile_with_scope(&scope, source))
 }

@@ -222,9 +222,6 @@ fn run_message(error: &EvalAltResult, pos: Position, text: &str, context: &Conte
         E::ErrorUnboundThis(_) => script("this is only known inside a function called on a value: value.f()"),
         E::ErrorArithmetic(message, _) => script(uncapitalized(message)),
         E::ErrorRuntime(value, _) => script(thrown_text(value)),
-        E::ErrorTooManyOperations(_) => {
-            limit("the script takes too many steps", "operations", limits.operations)
-        }
         E::ErrorTooManyVariables(_) => limit("too many variables", "variables", limits.variables),
         E::ErrorTooManyModules(_) => limit("too many imports", "files", limits.files),
         E::ErrorStackOverflow(_) => limit(
@@ -333,7 +330,7 @@ fn parse_message(error: &ParseErrorType, pos: Position, text: &str, context: &Co
         P::ModuleUndefined(name) => {
             script(format!("no module is imported as {name}")).hint(format!("import \"{name}\" as {name};"))
         }
-        P::MissingToken(token, why) => missing_token(token, why),
+        P::MissingToken(token, why) => missing_token(token, why, names::line_before(text, pos)),
         P::Reserved(word) if word == "#" => script("'#' begins nothing").hint("comments begin with //"),
         P::Reserved(word) if rhai::is_valid_identifier(word) => {
             script(format!("'{word}' is a reserved word")).hint("give the variable another name")
@@ -353,6 +350,9 @@ fn parse_message(error: &ParseErrorType, pos: Position, text: &str, context: &Co
         }
         P::WrongFnDefinition => {
             script("a function can only be defined at the top level, not inside a block or another function")
+        }
+        P::AssignmentToConstant(name) if name.is_empty() => {
+            script("only a variable can be assigned to").hint("== compares")
         }
         P::AssignmentToConstant(name) => {
             script(format!("{name} is a constant and cannot be changed")).hint("declare it with let")
@@ -391,7 +391,8 @@ fn not_available(word: &str) -> Diagnostic {
     script(format!("{word} is not available in scene scripts"))
 }
 
-fn missing_token(token: &str, why: &str) -> Diagnostic {
+/// `before` is the line up to the place where `token` should stand.
+fn missing_token(token: &str, why: &str, before: &str) -> Diagnostic {
     let why = why.trim();
     if let (",", Some(function)) = (
         token,
@@ -405,6 +406,9 @@ fn missing_token(token: &str, why: &str) -> Diagnostic {
         _ => format!("expected '{token}' {why}"),
     });
     match token {
+        "{" if before.trim_end().trim_end_matches('(').ends_with("group") => {
+            d.hint("group { ... } holds a block of statements; nothing else can be called group")
+        }
         ";" => d.hint("is a ';' missing before this, or are the brackets of a call?"),
         _ => d,
     }
@@ -420,10 +424,11 @@ fn lex_message(error: &LexError) -> Diagnostic {
         }
         LexError::UnexpectedInput(what) => {
             let d = script(format!("unexpected {}", quoted(what)));
-            if what == "#" {
-                return d.hint("comments begin with //");
+            match what.as_str() {
+                "#" => d.hint("comments begin with //"),
+                "." => d.hint("a number begins with a digit: 0.5"),
+                _ => d,
             }
-            d
         }
         other => script(uncapitalized(&other.to_string())),
     }

@@ -16,7 +16,7 @@ mod session;
 mod table;
 mod value;
 
-pub use table::{Entry, Group, Kind, Param, entries, entry};
+pub use table::{CONSTANTS, Constant, Entry, Group, Kind, PROPERTIES, Param, Property, entries, entry};
 
 use std::{
     any::Any,
@@ -25,7 +25,7 @@ use std::{
     thread,
 };
 
-use rhai::{AST, EvalAltResult, Scope};
+use rhai::{AST, EvalAltResult, Position, Scope};
 
 use crate::{
     diag::{Diagnostic, Error, ErrorKind, Report},
@@ -177,6 +177,11 @@ impl Script {
         let result = engine.run_ast_with_scope(&mut scope, &self.ast);
         // Values of the script go before its thread does: only here is the stack deep enough for any of them.
         drop((scope, engine));
+        let ended = session.state().ended.take();
+        let result = match (result, ended) {
+            (Ok(()), Some(e)) => Err(e.raise(Position::NONE)),
+            (result, _) => result,
+        };
         self.finish(&session, result)
     }
 

@@ -7,15 +7,12 @@ use rhai::{AST, Engine, Position, Token};
 use super::{
     call::{arguments, kind_name, wrong_count},
     engine,
-    table::{entries, entry},
+    table::{CONSTANTS, entries, entry},
 };
 use crate::{
     diag::{Diagnostic, ErrorKind, nearest_names},
     limits::Limits,
 };
-
-/// Names known without a declaration.
-const CONSTANTS: [&str; 3] = ["PI", "TAU", "E"];
 
 /// True for the names Rhai gives to closures.
 pub(super) fn is_closure(name: &str) -> bool {
@@ -100,19 +97,21 @@ impl Names {
     fn near(&self, name: &str) -> Vec<String> {
         let folded = name.to_lowercase();
         let foreign = entries().filter(|e| e.also.iter().any(|a| a.to_lowercase() == folded));
-        let mut near: Vec<String> = foreign.map(|e| e.name.to_owned()).collect();
+        let foreign: Vec<String> = foreign.map(|e| e.name.to_owned()).collect();
+        if !foreign.is_empty() {
+            return foreign;
+        }
         let all = builtins();
         let known = entries()
             .map(|e| e.name)
             .chain(self.own.keys().map(String::as_str))
             .chain(all.iter().map(String::as_str));
-        // The best is enough where it is much better than the rest: the list is sorted by distance.
-        for n in nearest_names(name, known).into_iter().take(1) {
-            if !near.iter().any(|k| k == n) {
-                near.push(n.to_owned());
-            }
-        }
-        near
+        // Sorted by distance: what comes after the first is seldom meant.
+        nearest_names(name, known)
+            .into_iter()
+            .take(1)
+            .map(str::to_owned)
+            .collect()
     }
 }
 
@@ -175,7 +174,11 @@ pub(super) fn unknown_variable(name: &str, pos: Position, text: &str) -> Diagnos
             "a function does not see the variables outside it: give {name} to {function} as a parameter, or declare it const and write global::{name}"
         ));
     }
-    let known = declared.all.iter().map(String::as_str).chain(CONSTANTS);
+    let known = declared
+        .all
+        .iter()
+        .map(String::as_str)
+        .chain(CONSTANTS.iter().map(|c| c.name));
     // Any two words of a letter or two are near one another.
     let long = name.chars().count() > 2;
     let known = known.filter(|n| *n != name && (long || n.eq_ignore_ascii_case(name)));
@@ -196,7 +199,7 @@ pub(super) fn unknown_variable(name: &str, pos: Position, text: &str) -> Diagnos
 }
 
 /// The text of the line before `pos`.
-fn line_before(text: &str, pos: Position) -> &str {
+pub(super) fn line_before(text: &str, pos: Position) -> &str {
     let line = text.lines().nth(pos.line().unwrap_or(1) - 1).unwrap_or("");
     let end = line
         .char_indices()

@@ -1,6 +1,7 @@
 //! What one run of a script works on.
 
 use std::{
+    cell::Cell,
     collections::BTreeMap,
     sync::{
         Arc, Mutex, MutexGuard, PoisonError,
@@ -60,6 +61,8 @@ pub(crate) struct State {
     /// Meshes and textures by host path, and the count of files.
     pub(crate) assets: AssetCache,
     printed: usize,
+    /// What ended the run.
+    pub(crate) ended: Option<Box<ScriptError>>,
     /// Time spent rendering, which does not count as the script's.
     pub(crate) rendering: Arc<AtomicU64>,
 }
@@ -86,6 +89,7 @@ impl State {
             loading: Vec::new(),
             assets: AssetCache::default(),
             printed: 0,
+            ended: None,
             rendering: Arc::default(),
         }
     }
@@ -131,10 +135,6 @@ impl State {
             self.host.print(text);
         }
     }
-
-    fn printed_too_much(&self) -> bool {
-        self.printed > self.limits.print_bytes
-    }
 }
 
 /// An error that names a limit and its value.
@@ -162,45 +162,56 @@ impl Session {
         self.state().print(text);
     }
 
-    /// A watch that tells the engine when to end the run: the deadline, the host's wish, a used-up budget.
+    /// A watch that tells the engine when to end the run: too many steps, the deadline, the host's wish, a
+    /// used-up budget. What ends a run once ends it for good, also where Rhai passes over an error, as it does
+    /// in the comparisons of a sort.
+    ///
+    /// Steps are counted here: Rhai forgets those of closures that its own functions call.
     pub(super) fn watch(&self) -> impl Fn(u64) -> Option<Dynamic> + Send + Sync + 'static {
         let session = self.clone();
         let state = self.state();
-        let (limit_time, host) = (state.limits.script_time, state.host.clone());
+        let limits = state.limits.clone();
+        let host = state.host.clone();
         let rendering = Arc::clone(&state.rendering);
         drop(state);
         let clock = Clock::start();
-        move |operations| {
-            if operations % CHECK_EVERY != 0 {
+        STEPS.set(0);
+        move |_| {
+            let steps = STEPS.get().saturating_add(1);
+            STEPS.set(steps);
+            if !steps.is_multiple_of(CHECK_EVERY) && steps <= limits.operations {
                 return None;
             }
-            if host.should_stop() {
-                let stopped = ScriptError::of_kind(ErrorKind::Cancelled, "the run was stopped");
-                return Some(Dynamic::from(*stopped));
+            let mut state = session.state();
+            if state.ended.is_none() {
+                let rendering = Duration::from_nanos(rendering.load(Ordering::Relaxed));
+                let spent = clock.elapsed().saturating_sub(rendering);
+                state.ended = if steps > limits.operations {
+                    let value = limits.operations;
+                    Some(limit("the script takes too many steps", "operations", value))
+                } else if host.should_stop() {
+                    Some(ScriptError::of_kind(ErrorKind::Cancelled, "the run was stopped"))
+                } else if spent > limits.script_time {
+                    let value = format!("{:?}", limits.script_time);
+                    Some(limit("the script runs too long", "script_time", value))
+                } else if state.printed > limits.print_bytes {
+                    let value = limits.print_bytes;
+                    Some(limit("the script prints too much", "print_bytes", value))
+                } else {
+                    None
+                };
             }
-            let spent = clock
-                .elapsed()
-                .saturating_sub(Duration::from_nanos(rendering.load(Ordering::Relaxed)));
-            if spent > limit_time {
-                let late = limit(
-                    "the script runs too long",
-                    "script_time",
-                    format!("{limit_time:?}"),
-                );
-                return Some(Dynamic::from(*late));
-            }
-            let state = session.state();
-            if state.printed_too_much() {
-                let full = limit(
-                    "the script prints too much",
-                    "print_bytes",
-                    state.limits.print_bytes,
-                );
-                return Some(Dynamic::from(*full));
-            }
-            None
+            let ended = state.ended.clone()?;
+            // From now on every step looks here.
+            STEPS.set(u64::MAX);
+            Some(Dynamic::from(*ended))
         }
     }
+}
+
+thread_local! {
+    /// Steps of the script that runs on this thread.
+    static STEPS: Cell<u64> = const { Cell::new(0) };
 }
 
 /// Operations between two looks at the clock: some 50 microseconds.

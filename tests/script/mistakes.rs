@@ -159,6 +159,10 @@ const CASES: &[Case] = &[
     Case("[1, 2][5];", 8, Fault, "the array has 2 elements: there is no element 5", ""),
     Case(r#""abc"[7];"#, 7, Fault, "the string has 3 characters: there is no character 7", ""),
     Case("5.foo;", 3, Fault, "a number has no property foo", ""),
+    Case("5 = 3;", 1, Fault, "only a variable can be assigned to", "== compares"),
+    Case("sphere(0, 0, 0, .5);", 17, Fault, "unexpected \".\"", "a number begins with a digit: 0.5"),
+    Case("let m = #{ group: 1 }; m.group;", 31, Fault, "expected '{' to start a statement block", "group { ... } holds a block of statements; nothing else can be called group"),
+    Case("pushMatrix();", 1, Fault, "unknown function pushMatrix", "did you mean pushTransform?"),
     Case("this.x;", 1, Fault, "'this' can only be used in functions", ""),
     Case("print(unknown);", 7, Fault, "unknown variable unknown", "declare it first: let unknown = ...;"),
     Case(r#"parse_int("x1");"#, 1, Fault, r#""x1" is no int"#, ""),
@@ -413,4 +417,121 @@ fn reading_a_script_has_a_time_limit() {
         e.diagnostic.message,
         "reading the script takes too long: the limit 'script_time' is 50ms"
     );
+}
+
+#[test]
+fn attacks_end_in_an_error_of_their_own() {
+    let many = "let a = [1]; let s = `${\"x\"}`; ";
+    for attack in [
+        "loop { a.push(a); }",
+        "loop { a.push([a, a]); }",
+        "loop { a += a; }",
+        "loop { a.insert(0, a); }",
+        "a.pad(9000000000000000000, 0);",
+        "a.pad(100000000, [1, 2, 3]);",
+        "s.pad(9000000000000000000, 'x');",
+        "loop { s += s; }",
+        "loop { s = s + s; }",
+        "s = \"a\"; s.pad(500000, 'a'); s.replace(\"a\", s);",
+        "loop { s = `${s}${s}`; }",
+        "let m = #{}; loop { m[s] = m; s += \"x\"; }",
+        "fn f(x) { f([x, x]) } f(1);",
+        "let f = |x| x; f = || f.call(); f.call();",
+        "a.map(|x| loop { });",
+        "while true { }",
+        "do { } while true;",
+        "for i in 0..9223372036854775807 { }",
+        "loop { group { } }",
+        "fn g() { group { g(); } } g();",
+        "fn g(n) { define `d${n}` { g(n + 1); } } g(0);",
+        "let b = [2, 1]; b.sort(|x, y| loop { });",
+        "loop { try { loop { } } catch { } }",
+        "for i in 0..100 { a.map(|x| { for j in 0..100000 { } }); }",
+        "let f = 0; loop { let g = f; f = || g; }",
+        "loop { material(material()); }",
+        "let n = 0; loop { define `d${n}` { sphere(0, 0, 0, 1); } n += 1; instance(`d${n - 1}`); }",
+    ] {
+        let source = format!("{many}{attack}");
+        let mut limits = Limits::untrusted();
+        limits.script_time = std::time::Duration::from_millis(300);
+        let script = Script::compile("scene.rhai", &source, &limits);
+        let run = script.and_then(|s| s.run(&Notes::default(), &RunOptions::default()));
+        let Err(e) = run else {
+            panic!("{attack} runs");
+        };
+        // A data race is what Rhai calls a closure that is changed while it is called.
+        assert!(
+            e.kind() == Limit || e.to_string().contains("data race"),
+            "{attack}: {e}"
+        );
+    }
+}
+
+/// Every function with arguments of every kind: whatever they are, the answer is a result or an error, and
+/// never a fault of the program's own.
+#[test]
+fn no_arguments_are_a_fault_of_the_program() {
+    let values = [
+        "0",
+        "1",
+        "-1",
+        "2.5",
+        "1e308",
+        "9223372036854775807",
+        "-9223372036854775807 - 1",
+        "0.0 / 0.0",
+        "1.0 / 0.0",
+        "\"\"",
+        "\"#fff\"",
+        "\"x.png\"",
+        "'c'",
+        "()",
+        "true",
+        "[]",
+        "[1, 2, 3]",
+        "[[0, 0, 0], [1, 0, 0], [0, 1, 0]]",
+        "[1e200, 0, -1e200]",
+        "#{}",
+        "#{ positions: [0, 0, 0, 1, 0, 0, 0, 1, 0] }",
+        "#{ diffuse: [1, 0, 0] }",
+        "vec3(1, 2, 3)",
+        "vec3(0, 0, 0)",
+        "|x| x",
+        "0..5",
+        "checker([1, 1, 1], [0, 0, 0], 1)",
+    ];
+    let mut dice = 11u64;
+    let mut pick = |n: usize| {
+        dice = dice
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (dice >> 33) as usize % n
+    };
+    let mut options = RunOptions::default();
+    options.size = Some((2, 2));
+    let mut faults = Vec::new();
+    for entry in rtscript::script::entries() {
+        if matches!(entry.name, "group" | "define") {
+            continue;
+        }
+        for arity in 0..6 {
+            let calls: String = (0..12)
+                .map(|_| {
+                    let arguments: Vec<&str> = (0..arity).map(|_| values[pick(values.len())]).collect();
+                    format!(
+                        "try {{ {}({}); }} catch {{ }}\n",
+                        entry.name,
+                        arguments.join(", ")
+                    )
+                })
+                .collect();
+            let script = Script::compile("scene.rhai", &calls, &Limits::untrusted()).unwrap();
+            if let Err(e) = script.run(&Notes::default(), &options)
+                && !matches!(e.kind(), Limit)
+            {
+                faults.push(format!("{e}\n{calls}"));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
 }

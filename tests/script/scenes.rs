@@ -525,3 +525,36 @@ fn a_picture_that_cannot_be_kept_is_an_error() {
         "{e}"
     );
 }
+
+#[test]
+fn points_are_pushed_one_by_one() {
+    // Measured after every push, as Rhai does by itself, this would take minutes.
+    let source = "
+        let positions = []; let indices = [];
+        for i in 0..30000 { positions.push([i, 0, 0]); positions.push(vec3(i, 1, 0)); }
+        for i in 0..59998 { indices.push(i); indices.push(i + 1); indices.push(i + 2); }
+        mesh(#{ positions: positions, indices: indices });
+        let list = [1]; list.push([2, [3]]); list.push(#{ a: 1 }); push(list, \"x\"); list += 4;
+        print(list);
+    ";
+    let host = Notes::default();
+    let scene = run_on(&host, source).unwrap().value.scene;
+    assert_eq!(scene.meshes[0].triangles.len(), 59_998);
+    assert_eq!(host.printed(), ["[1, [2, [3]], #{\"a\": 1}, \"x\", 4]"]);
+    let e = try_run("const A = [1]; A.push(2);").unwrap_err();
+    assert_eq!(e.diagnostic.message, "a constant cannot be changed by push()");
+}
+
+#[test]
+fn hue_saturation_value() {
+    let close = |source: &str, wanted: [f64; 3]| {
+        let c = run(&format!("background({source});")).scene.settings.background;
+        assert!((c - DVec3::from_array(wanted)).length() < 1e-12, "{source}: {c}");
+    };
+    close("hsv(0, 1, 1)", [1.0, 0.0, 0.0]);
+    close("hsv(120, 1, 1)", [0.0, 1.0, 0.0]);
+    close("hsv(-120, 1, 1)", [0.0, 0.0, 1.0]);
+    close("hsv(60, 1, 1)", [1.0, 1.0, 0.0]);
+    close("hsv(17, 0, 1)", [1.0, 1.0, 1.0]);
+    close("hsv(400, 0.5, 0)", [0.0, 0.0, 0.0]);
+}

@@ -6,7 +6,7 @@ use rhai::{Dynamic, FuncRegistration, Map, Module};
 
 use super::{color, map, number, term};
 use crate::{
-    color::Color,
+    color::{Color, linear_from_srgb},
     math::DVec3,
     scene::{Material, Term, Texture},
     script::{
@@ -85,6 +85,17 @@ pub(super) const ENTRIES: &[Entry] = &[
         .usage("material(#{ diffuse: [0.8, 0.2, 0.1], shininess: 50 })")
         .example("light([5, 5, 5], [1, 1, 1]);\nlet red = material(#{ diffuse: [0.8, 0.1, 0.1] });\ndiffuse(0.1, 0.1, 0.8);\nsphere(-1, 0, 0, 0.8);\nmaterial(red);\nsphere(1, 0, 0, 0.8);")
         .also(&["setMaterial", "surface", "finish"]),
+    Entry::pure(Group::Materials, "hsv", hsv)
+        .takes(&[&[
+            number("hue", "degrees", "0 red, 120 green, 240 blue, and so on around"),
+            number("saturation", "none", "0 gray to 1 full"),
+            number("value", "none", "0 black to 1 full"),
+        ]])
+        .returns("vec3")
+        .doc("A color by hue, saturation and value, as color pickers show it, in linear RGB.")
+        .usage("hsv(30, 0.8, 1)")
+        .example("light([0, 0, 8], [1, 1, 1]);\nfor i in 0..12 {\n  diffuse(hsv(i * 30, 0.8, 0.9));\n  group { rotate(0, 0, 1, i * 30); sphere(1.2, 0, 0, 0.3); }\n}")
+        .also(&["hsb", "hsl", "hue"]),
     Entry::pure(Group::Materials, "checker", checker)
         .takes(&[&[
             color("colorA", "the cube that starts at the origin"),
@@ -221,6 +232,28 @@ fn as_map(state: &State) -> Map {
         .into_iter()
         .map(|(key, value)| (key.into(), value))
         .collect()
+}
+
+/// The hexcone of Smith ("Color gamut transform pairs", SIGGRAPH 1978), whose RGB is that of a screen.
+fn hsv(call: &mut Call<'_, '_>) -> Outcome {
+    let hue = call.number("hue")?;
+    let (saturation, value) = (call.number("saturation")?, call.number("value")?);
+    call.end()?;
+    for (name, x) in [("saturation", saturation), ("value", value)] {
+        if !(0.0..=1.0).contains(&x) {
+            return Err(call.error(format!("{name} must lie between 0 and 1, not {x}")));
+        }
+    }
+    let sixth = (hue / 60.0).rem_euclid(6.0);
+    let channel = |offset: f64| {
+        let k = (offset + sixth) % 6.0;
+        linear_from_srgb(value - value * saturation * k.min(4.0 - k).clamp(0.0, 1.0))
+    };
+    Ok(Dynamic::from(DVec3::new(
+        channel(5.0),
+        channel(3.0),
+        channel(1.0),
+    )))
 }
 
 fn checker(call: &mut Call<'_, '_>) -> Outcome {

@@ -1,11 +1,13 @@
 //! The functions of the language, one file per group, each a list of entries of the one table.
 
+mod arrays;
 mod assets;
 mod camera;
 mod functions;
 mod lights;
 mod materials;
 mod maths;
+mod noise;
 mod numbers;
 mod output;
 mod random;
@@ -21,7 +23,7 @@ use rhai::Module;
 use super::table::{Entry, Kind, Param};
 
 /// Every list, in the order of the reference.
-pub(super) const ALL: [&[Entry]; 10] = [
+pub(super) const ALL: [&[Entry]; 11] = [
     camera::ENTRIES,
     transform::ENTRIES,
     shapes::ENTRIES,
@@ -32,6 +34,7 @@ pub(super) const ALL: [&[Entry]; 10] = [
     vector::ENTRIES,
     maths::ENTRIES,
     random::ENTRIES,
+    noise::ENTRIES,
 ];
 
 /// What is no function of the table: operators, properties and conversions of our types, and replacements of
@@ -40,6 +43,7 @@ pub(super) fn extend(module: &mut Module) {
     vector::extend(module);
     output::extend(module);
     materials::extend(module);
+    arrays::extend(module);
     numbers::extend(module);
     strings::extend(module);
     functions::extend(module);
