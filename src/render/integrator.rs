@@ -1,6 +1,7 @@
 //! The recursive ray tracer of Whitted ("An improved illumination model for shaded display", 1980), as a loop.
 
 use super::{
+    interrupt::Interrupt,
     lighting::{self, Gloss},
     sampler::Sampler,
     world::{Probe, SurfacePoint, World},
@@ -36,13 +37,15 @@ impl Counts {
 }
 
 /// Where on a camera sample's tree of rays a point lies; keys its random numbers.
-pub(super) struct Path {
+pub(super) struct Path<'i> {
     sampler: Sampler,
     /// Points shaded before this one in the same sample.
     vertex: u64,
+    /// Asked where one point may take long.
+    pub(super) interrupt: &'i Interrupt<'i>,
 }
 
-impl Path {
+impl Path<'_> {
     /// A random number in [0, 1) for the `cell`-th choice about light `light` at this point.
     pub(super) fn random(&self, light: u64, cell: u64) -> f64 {
         // Dimensions 0 and 1 are the pixel's jitter. A light has at most 2 * 256^2 choices.
@@ -66,10 +69,23 @@ const STACK: usize = Settings::MAX_DEPTH as usize + 2;
 /// what ends it between two mirrors of glass, and nothing of an 8-bit picture.
 const LEAST_WEIGHT: f64 = 1.0 / (1 << 20) as f64;
 
+/// Points of one sample between two looks at the interrupt.
+const POINTS_PER_POLL: u64 = 64;
+
 /// Light along a camera ray.
-pub(super) fn radiance(world: &World<'_>, ray: Ray, sampler: Sampler, counts: &mut Counts) -> Color {
+pub(super) fn radiance(
+    world: &World<'_>,
+    ray: Ray,
+    sampler: Sampler,
+    interrupt: &Interrupt<'_>,
+    counts: &mut Counts,
+) -> Color {
     let settings = &world.scene.settings;
-    let mut path = Path { sampler, vertex: 0 };
+    let mut path = Path {
+        sampler,
+        vertex: 0,
+        interrupt,
+    };
     let mut sum = Color::ZERO;
     let mut stack = [Pending {
         probe: Probe::from_space(ray),
@@ -100,6 +116,9 @@ pub(super) fn radiance(world: &World<'_>, ray: Ray, sampler: Sampler, counts: &m
         local += lighting::direct(world, &at, hit.number, ray.origin, &gloss, &path, counts);
         sum += weight * local;
         path.vertex += 1;
+        if path.vertex.is_multiple_of(POINTS_PER_POLL) && interrupt.poll() {
+            return Color::ZERO;
+        }
         if depth == settings.max_depth {
             continue;
         }

@@ -33,7 +33,7 @@ pub(super) fn direct(
     number: u64,
     eye: DVec3,
     gloss: &Gloss,
-    path: &Path,
+    path: &Path<'_>,
     counts: &mut Counts,
 ) -> Color {
     let mut sum = Color::ZERO;
@@ -43,6 +43,9 @@ pub(super) fn direct(
     let to_eye = eye - at.position;
     let to_eye = to_eye / to_eye.length();
     for (index, light) in world.scene.root().lights.iter().enumerate() {
+        if matches!(light.kind, LightKind::Area { .. }) && path.interrupt.poll() {
+            return Color::ZERO;
+        }
         for_each_sample(light, index as u64, at.position, path, |sample| {
             let response = respond(at, to_eye, &sample, gloss);
             if response == Color::ZERO {
@@ -56,7 +59,7 @@ pub(super) fn direct(
 }
 
 /// Calls `visit` with each point of a light, as seen from `p`.
-fn for_each_sample(light: &Light, index: u64, p: DVec3, path: &Path, mut visit: impl FnMut(LightSample)) {
+fn for_each_sample(light: &Light, index: u64, p: DVec3, path: &Path<'_>, mut visit: impl FnMut(LightSample)) {
     let towards = |position: DVec3, arriving: Color| {
         let offset = position - p;
         let distance = offset.length();

@@ -2,6 +2,7 @@
 
 mod film;
 mod integrator;
+mod interrupt;
 mod lighting;
 pub(crate) mod sampler;
 mod tiles;

@@ -2,7 +2,7 @@
 
 use std::sync::{
     Mutex,
-    atomic::{AtomicBool, AtomicU64, Ordering},
+    atomic::{AtomicU64, Ordering},
 };
 
 use rayon::prelude::*;
@@ -11,10 +11,11 @@ use super::{
     Progress,
     film::Image,
     integrator::{self, Counts},
+    interrupt::Interrupt,
     sampler::{Sampler, stratified},
     world::World,
 };
-use crate::{color::Color, host::Host};
+use crate::{color::Color, host::Host, scene::CameraFrame};
 
 /// Edge of a tile in pixels: small enough that no thread idles at the end.
 const TILE: u32 = 16;
@@ -24,7 +25,7 @@ pub(super) fn trace(world: &World<'_>, host: &dyn Host) -> Option<(Image, Counts
     let s = &world.scene.settings;
     let total = u64::from(s.width) * u64::from(s.height);
     let frame = world.scene.camera.frame(s.width, s.height);
-    let (done, rays, stop) = (AtomicU64::new(0), AtomicU64::new(0), AtomicBool::new(false));
+    let (done, rays, interrupt) = (AtomicU64::new(0), AtomicU64::new(0), Interrupt::new(host));
     let counts = Mutex::new(Counts::default());
 
     let mut pixels = vec![[0.0; 3]; total as usize];
@@ -40,15 +41,15 @@ pub(super) fn trace(world: &World<'_>, host: &dyn Host) -> Option<(Image, Counts
             let tiles: Vec<(u32, Vec<[f64; 3]>)> = (0..s.width.div_ceil(TILE))
                 .into_par_iter()
                 .filter_map(|column| {
-                    if stop.load(Ordering::Relaxed) || host.should_stop() {
-                        stop.store(true, Ordering::Relaxed);
+                    if interrupt.poll() {
                         return None;
                     }
                     let (x0, columns) = (column * TILE, TILE.min(s.width - column * TILE));
                     let mut own = Counts::default();
                     let tile: Vec<[f64; 3]> = (0..rows * columns)
                         .map(|i| {
-                            pixel(world, &frame, x0 + i % columns, y0 + i / columns, &mut own).to_array()
+                            let at = (x0 + i % columns, y0 + i / columns);
+                            pixel(world, &frame, at, &interrupt, &mut own).to_array()
                         })
                         .collect();
                     let finished = u64::from(rows * columns);
@@ -72,22 +73,34 @@ pub(super) fn trace(world: &World<'_>, host: &dyn Host) -> Option<(Image, Counts
                 }
             }
         });
-    if stop.into_inner() {
+    if interrupt.is_stopped() {
         return None;
     }
     let counts = counts.into_inner().unwrap_or_default();
     Some((Image::new(s.width, s.height, s.encoding, pixels), counts))
 }
 
+/// Samples of one pixel between two looks at the interrupt.
+const SAMPLES_PER_POLL: u32 = 16;
+
 /// The mean of a pixel's samples, summed in order.
-fn pixel(world: &World<'_>, frame: &crate::scene::CameraFrame, x: u32, y: u32, counts: &mut Counts) -> Color {
+fn pixel(
+    world: &World<'_>,
+    frame: &CameraFrame,
+    (x, y): (u32, u32),
+    interrupt: &Interrupt<'_>,
+    counts: &mut Counts,
+) -> Color {
     let s = &world.scene.settings;
     let mut sum = Color::ZERO;
     for index in 0..s.samples {
+        if index % SAMPLES_PER_POLL == SAMPLES_PER_POLL - 1 && interrupt.poll() {
+            break;
+        }
         let sampler = Sampler::new(s.seed, x, y, index);
         let (dx, dy) = stratified(index, s.samples, |dimension| sampler.get(dimension));
         let ray = frame.ray(f64::from(x) + dx, f64::from(y) + dy);
-        sum += integrator::radiance(world, ray, sampler, counts);
+        sum += integrator::radiance(world, ray, sampler, interrupt, counts);
     }
     sum / f64::from(s.samples)
 }

@@ -23,8 +23,9 @@ use super::{
     modules::Resolver,
     power,
     session::{Clock, Session},
-    table::{CONSTANTS, Entry, Run, entries},
+    table::{Entry, Run, entries},
     value::{Outcome, ScriptError},
+    vocabulary::CONSTANTS,
 };
 use crate::{
     diag::ErrorKind,

@@ -15,8 +15,10 @@ mod power;
 mod session;
 mod table;
 mod value;
+mod vocabulary;
 
-pub use table::{CONSTANTS, Constant, Entry, Group, Kind, PROPERTIES, Param, Property, entries, entry};
+pub use table::{Entry, Group, Kind, Param, entries, entry};
+pub use vocabulary::{CONSTANTS, Constant, PROPERTIES, Property};
 
 use std::{
     any::Any,

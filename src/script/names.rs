@@ -7,7 +7,8 @@ use rhai::{AST, Engine, Position, Token};
 use super::{
     call::{arguments, kind_name, wrong_count},
     engine,
-    table::{CONSTANTS, entries, entry},
+    table::{entries, entry},
+    vocabulary::CONSTANTS,
 };
 use crate::{
     diag::{Diagnostic, ErrorKind, nearest_names},

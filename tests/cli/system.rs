@@ -71,10 +71,12 @@ fn closed_and_full_streams_do_not_panic() {
 
 /// Starts a script that takes minutes, waits until it runs.
 fn start(folder: &Folder, command: &mut Command) -> Child {
-    folder.write(
-        "scene.rhai",
-        "print(\"running\");\nlet i = 0;\nloop { i += 1; }\n",
-    );
+    if !folder.path("scene.rhai").exists() {
+        folder.write(
+            "scene.rhai",
+            "print(\"running\");\nlet i = 0;\nloop { i += 1; }\n",
+        );
+    }
     let child = command
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -129,6 +131,35 @@ fn signals_stop_the_run_and_leave_nothing() {
         let stderr = String::from_utf8(output.stderr).unwrap();
         assert!(stderr.contains(&format!("stopped by {name}")), "{stderr}");
         assert_eq!(folder.files(), ["scene.rhai"]);
+    }
+}
+
+#[test]
+fn a_signal_stops_a_render_even_within_a_pixel_and_leaves_the_old_picture() {
+    let between_mirrors_of_glass = "size(1, 1);\nmaxDepth(64);\nspecular(1, 1, 1);\ntransmission(1, 1, 1);\n\
+        for i in 0..50 { sphere(0, 0, 0, 2.0 - i * 0.01); }\n";
+    for costly in [
+        "size(4000, 3000);\nsamples(60000);\n",
+        between_mirrors_of_glass,
+        "for i in 0..4000 { areaLight([i, 9, 0], [1, 0, 0], [0, 0, 1], [1, 1, 1], 256); }\n",
+    ] {
+        let folder = Folder::with(BALL);
+        folder.ok(&["scene.rhai"]);
+        let before = fs::read(folder.path("scene.png")).unwrap();
+        folder.write("scene.rhai", format!("{BALL}{costly}print(\"running\");\n"));
+        let mut child = start(&folder, &mut folder.command(&["scene.rhai"]));
+        read_line(&mut child);
+        sleep(Duration::from_millis(100));
+        let asked = Instant::now();
+        kill(&child, "-INT");
+        assert_eq!(child.wait().unwrap().code(), Some(130), "{costly}");
+        assert!(
+            asked.elapsed() < Duration::from_secs(2),
+            "took {:?}: {costly}",
+            asked.elapsed()
+        );
+        assert_eq!(fs::read(folder.path("scene.png")).unwrap(), before);
+        assert_eq!(folder.files(), ["scene.png", "scene.rhai"]);
     }
 }
 

@@ -9,7 +9,9 @@
 
 mod assets;
 mod host;
+mod limits;
 mod maths;
 mod mistakes;
 mod modules;
+mod runs;
 mod scenes;

@@ -109,7 +109,9 @@ fn wants_materials(call: &mut Call<'_, '_>) -> Outcome<bool> {
     };
     call.known_keys(&options, &["materials"])?;
     match options.get("materials") {
-        Some(wanted) => wanted.as_bool().map_err(|_| call.wrong_kind("materials", "true or false", wanted)),
+        Some(wanted) => wanted
+            .as_bool()
+            .map_err(|_| call.wrong_kind("materials", "true or false", wanted)),
         None => Ok(true),
     }
 }

@@ -1,0 +1,194 @@
+//! From Rhai's errors to diagnostics: our words, the place, the calls that led there, and what to do.
+
+mod runtime;
+mod syntax;
+
+use rhai::{AST, EvalAltResult, ParseError, Position};
+
+use super::{names, session::Source, value::ScriptError};
+use crate::{
+    diag::{Diagnostic, ErrorKind},
+    limits::Limits,
+};
+
+/// Longest message: a script can throw megabytes.
+const LONGEST: usize = 4096;
+
+/// Calls listed at each end of a long chain.
+const FIRST_CALLS: usize = 8;
+const LAST_CALLS: usize = 2;
+
+/// Rhai counts lines in 16 bits and stays at the last.
+const LAST_LINE: u32 = 65_535;
+
+/// What an error can be explained by.
+pub(super) struct Context<'a> {
+    pub(super) sources: &'a [Source],
+    pub(super) limits: &'a Limits,
+    /// The script, where it could be read.
+    pub(super) ast: Option<&'a AST>,
+}
+
+impl Context<'_> {
+    fn text(&self, file: &str) -> &str {
+        self.sources
+            .iter()
+            .find(|s| s.name == file)
+            .map_or("", |s| &s.text)
+    }
+
+    fn main(&self) -> &str {
+        self.sources.first().map_or("", |s| &s.name)
+    }
+
+    /// Adds the place, with the line's text.
+    fn place(&self, d: Diagnostic, file: &str, pos: Position) -> Diagnostic {
+        let line = pos.line().unwrap_or(0) as u32;
+        let text = self.text(file);
+        if line == LAST_LINE && text.lines().count() > LAST_LINE as usize {
+            return d.at(file, line, 0).note(format!(
+                "the place is at or past line {LAST_LINE}; lines are not counted any further"
+            ));
+        }
+        d.at(file, line, pos.position().unwrap_or(0) as u32)
+            .with_source(text)
+    }
+}
+
+/// A script that cannot be read.
+pub(super) fn of_parse(error: &ParseError, file: &str, context: &Context<'_>) -> Diagnostic {
+    let d = syntax::message(&error.0, error.1, context.text(file), context);
+    finish(context.place(d, file, error.1))
+}
+
+/// A run that ended with an error.
+pub(super) fn of_run(error: &EvalAltResult, context: &Context<'_>) -> Diagnostic {
+    let mut file = context.main().to_owned();
+    let mut caller: Option<&str> = None;
+    let mut calls = Vec::new();
+    let mut error = error;
+    loop {
+        match error {
+            EvalAltResult::ErrorInFunctionCall(name, source, inner, pos) => {
+                calls.push(call_note(caller, &file, *pos));
+                caller = Some(name);
+                if !source.is_empty() {
+                    file.clone_from(source);
+                }
+                error = inner;
+            }
+            EvalAltResult::ErrorInModule(name, inner, pos) => {
+                calls.push(format!("imported at {}", at(&file, *pos)));
+                caller = None;
+                file.clone_from(name);
+                error = inner;
+            }
+            _ => break,
+        }
+    }
+    let mut pos = error.position();
+    if let Some((source, raised)) = script_error(error).and_then(|e| e.place) {
+        pos = raised;
+        file = source.unwrap_or(file);
+    }
+    let mut d = match script_error(error).and_then(|e| e.of_file) {
+        Some(d) => {
+            calls.push(format!("named at {}", at(&file, pos)));
+            *d
+        }
+        None => {
+            let d = runtime::message(error, pos, context.text(&file), context);
+            context.place(d, &file, pos)
+        }
+    };
+    calls.reverse();
+    let left_out = calls.len().saturating_sub(FIRST_CALLS + LAST_CALLS);
+    if left_out > 0 {
+        let gap = format!("... and {left_out} calls more ...");
+        calls.splice(FIRST_CALLS..FIRST_CALLS + left_out, [gap]);
+    }
+    d.notes.extend(calls);
+    finish(d)
+}
+
+fn at(file: &str, pos: Position) -> String {
+    match (pos.line(), pos.position()) {
+        (Some(line), Some(column)) => format!("{file}:{line}:{column}"),
+        (Some(line), None) => format!("{file}:{line}"),
+        (None, _) => file.to_owned(),
+    }
+}
+
+fn call_note(caller: Option<&str>, file: &str, pos: Position) -> String {
+    match caller {
+        Some(name) if names::is_closure(name) => format!("called from a closure at {}", at(file, pos)),
+        Some(name) => format!("called from {name}() at {}", at(file, pos)),
+        None => format!("called at {}", at(file, pos)),
+    }
+}
+
+/// The last touches: no message is longer than a page, none has a line break.
+fn finish(mut d: Diagnostic) -> Diagnostic {
+    d.message = shortened(&d.message);
+    for text in d.notes.iter_mut().chain(&mut d.hints) {
+        *text = shortened(text);
+    }
+    d
+}
+
+fn shortened(text: &str) -> String {
+    let mut short: String = text
+        .chars()
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .scan(0, |bytes, c| {
+            *bytes += c.len_utf8();
+            (*bytes <= LONGEST - 3).then_some(c)
+        })
+        .collect();
+    if short.len() < text.len() {
+        short.push_str("...");
+    }
+    short
+}
+
+/// The error of a scene function that the engine carries.
+fn script_error(error: &EvalAltResult) -> Option<ScriptError> {
+    match error {
+        EvalAltResult::ErrorRuntime(value, _) | EvalAltResult::ErrorTerminated(value, _) => {
+            value.read_lock::<ScriptError>().map(|e| e.clone())
+        }
+        _ => None,
+    }
+}
+
+fn script(message: impl Into<String>) -> Diagnostic {
+    Diagnostic::error(ErrorKind::Script, message)
+}
+
+fn limit(what: &str, name: &str, value: impl std::fmt::Display) -> Diagnostic {
+    Diagnostic::error(ErrorKind::Limit, format!("{what}: the limit '{name}' is {value}"))
+}
+
+/// Rhai's words, as ours begin: in lower case.
+fn uncapitalized(text: &str) -> String {
+    let mut chars = text.chars();
+    let first = chars.next().map(|c| c.to_lowercase().to_string());
+    let rest = chars.as_str();
+    // "BLOB" and "I" stay.
+    if rest.starts_with(char::is_uppercase) {
+        return text.to_owned();
+    }
+    format!("{}{rest}", first.unwrap_or_default())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_messages_are_cut_between_characters() {
+        let cut = shortened(&"é".repeat(5000));
+        assert!(cut.len() <= LONGEST && cut.ends_with("..."), "{}", cut.len());
+        assert_eq!(shortened("a\nb"), "a b");
+    }
+}
