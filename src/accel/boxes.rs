@@ -22,33 +22,14 @@ impl Box32 {
     /// f64 arithmetic puts on the box's face is inside.
     #[must_use]
     pub fn around(bounds: &Bounds3) -> Self {
+        if bounds.is_empty() {
+            return Self::EMPTY;
+        }
         let slack = 4e-15 * max_abs(bounds.min).max(max_abs(bounds.max));
         Self {
             min: bounds.min.to_array().map(|x| round_down(x - slack)),
             max: bounds.max.to_array().map(|x| round_up(x + slack)),
         }
-    }
-
-    /// Grows to contain `other`.
-    #[inline]
-    pub(super) fn grow(&mut self, other: &Self) {
-        for k in 0..3 {
-            self.min[k] = self.min[k].min(other.min[k]);
-            self.max[k] = self.max[k].max(other.max[k]);
-        }
-    }
-
-    /// Half the surface area; 0 for the empty box.
-    #[inline]
-    pub(super) fn half_area(&self) -> f32 {
-        let [x, y, z] = [0, 1, 2].map(|k| self.max[k] - self.min[k]);
-        if x < 0.0 { 0.0 } else { x * y + y * z + z * x }
-    }
-
-    /// Twice the center along axis `k`.
-    #[inline]
-    pub(super) fn center2(&self, k: usize) -> f32 {
-        self.min[k] + self.max[k]
     }
 }
 
@@ -180,6 +161,7 @@ mod tests {
         }
         let b = Box32::around(&Bounds3::new(DVec3::splat(-1.0), DVec3::splat(1.0)));
         assert!(b.min[0] < -1.0 && b.max[0] > 1.0);
+        assert_eq!(Box32::around(&Bounds3::EMPTY), Box32::EMPTY);
     }
 
     #[test]

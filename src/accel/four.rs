@@ -37,6 +37,25 @@ mod imp {
             Self(unsafe { _mm_mul_ps(self.0, b.0) })
         }
 
+        /// The smaller of each lane; the second where either is NaN.
+        #[inline(always)]
+        pub(in crate::accel) fn min(self, b: Self) -> Self {
+            Self(unsafe { _mm_min_ps(self.0, b.0) })
+        }
+
+        /// The larger of each lane; the second where either is NaN.
+        #[inline(always)]
+        pub(in crate::accel) fn max(self, b: Self) -> Self {
+            Self(unsafe { _mm_max_ps(self.0, b.0) })
+        }
+
+        #[inline(always)]
+        pub(in crate::accel) fn to_array(self) -> [f32; 4] {
+            let mut out = [0.0; 4];
+            unsafe { _mm_storeu_ps(out.as_mut_ptr(), self.0) };
+            out
+        }
+
         /// The sign bits of each lane, for [`F4::flip`].
         #[inline(always)]
         pub(in crate::accel) fn sign(self) -> Self {
@@ -92,6 +111,23 @@ mod imp {
         #[inline(always)]
         pub(in crate::accel) fn mul(self, b: Self) -> Self {
             self.zip(b, |a, b| a * b)
+        }
+
+        /// The smaller of each lane; the second where either is NaN.
+        #[inline(always)]
+        pub(in crate::accel) fn min(self, b: Self) -> Self {
+            self.zip(b, |a, b| if a < b { a } else { b })
+        }
+
+        /// The larger of each lane; the second where either is NaN.
+        #[inline(always)]
+        pub(in crate::accel) fn max(self, b: Self) -> Self {
+            self.zip(b, |a, b| if a > b { a } else { b })
+        }
+
+        #[inline(always)]
+        pub(in crate::accel) fn to_array(self) -> [f32; 4] {
+            self.0
         }
 
         /// The sign bits of each lane, for [`F4::flip`].

@@ -2,8 +2,8 @@
 //! Hierarchies", 2007), subtrees in parallel. On the way up each node learns what it costs as 1 to 8 children of
 //! a wide node.
 
-use super::{Item, Kinds, LEAF_MAX, Load, NODE_COST};
-use crate::accel::boxes::Box32;
+use super::{Aabb, Item, Kinds, LEAF_MAX, Load, NODE_COST};
+use crate::accel::{boxes::Box32, four::F4};
 
 const BINS: usize = 16;
 /// Below this depth every split halves, which bounds the depth of the tree and so the traversal's stack.
@@ -74,7 +74,7 @@ fn build(items: &mut [Item], kinds: Kinds, first: usize, depth: usize, out: &mut
         None
     };
     let middle = match split {
-        Some(split) => partition(items, |item| split.bin(item) < split.plane),
+        Some(split) => partition(items, |item| split.is_left(item)),
         // All centers are the same, or the tree is too deep: halve.
         None => n / 2,
     };
@@ -112,8 +112,9 @@ fn append(out: &mut Vec<Binary>, nodes: Vec<Binary>) {
 
 /// What is known of items before they are split.
 struct Summary {
-    bounds: Box32,
-    centers: Box32,
+    bounds: Aabb,
+    /// Around twice the centers.
+    centers: Aabb,
     load: Load,
     area: f32,
     kind_is_one: bool,
@@ -122,20 +123,17 @@ struct Summary {
 impl Summary {
     fn of(items: &[Item], kinds: Kinds) -> Self {
         let mut summary = Self {
-            bounds: Box32::EMPTY,
-            centers: Box32::EMPTY,
+            bounds: Aabb::empty(),
+            centers: Aabb::empty(),
             load: Load::default(),
             area: 0.0,
             kind_is_one: true,
         };
         let kind = items.first().map(|item| kinds.of(item.index));
         for item in items {
-            summary.bounds.grow(&item.bounds);
-            let center = [0, 1, 2].map(|k| item.bounds.center2(k));
-            summary.centers.grow(&Box32 {
-                min: center,
-                max: center,
-            });
+            let bounds = item.bounds();
+            summary.bounds.grow(&bounds);
+            summary.centers.grow_point(bounds.min.add(bounds.max));
             summary.load.add(Load::of(item, kinds));
             summary.area += item.area;
             summary.kind_is_one &= Some(kinds.of(item.index)) == kind;
@@ -146,7 +144,7 @@ impl Summary {
     fn leaf(&self, first: usize, count: usize) -> Binary {
         let cost = self.bounds.half_area() * self.load.cost();
         Binary {
-            bounds: self.bounds,
+            bounds: self.bounds.to_box(),
             left: 0,
             right: 0,
             first: first as u32,
@@ -199,7 +197,7 @@ impl Summary {
             }
         }
         Binary {
-            bounds: self.bounds,
+            bounds: self.bounds.to_box(),
             left: left as u32,
             right: right as u32,
             first: first as u32,
@@ -212,27 +210,47 @@ impl Summary {
     }
 }
 
+/// Where twice the centers fall into bins along each axis.
+#[derive(Clone, Copy)]
+struct Binning {
+    min: F4,
+    scale: F4,
+}
+
+impl Binning {
+    fn new(centers: &Aabb) -> Self {
+        let scale = centers.max.sub(centers.min).to_array().map(|extent| {
+            let scale = BINS as f32 * 0.9999 / extent;
+            if scale.is_finite() { scale } else { 0.0 }
+        });
+        Self {
+            min: centers.min,
+            scale: F4::from_array(scale),
+        }
+    }
+
+    /// A saturating cast: what is not a number lands in bin 0.
+    #[inline(always)]
+    fn bins(&self, bounds: &Aabb) -> [usize; 4] {
+        let place = bounds.min.add(bounds.max).sub(self.min).mul(self.scale);
+        place.to_array().map(|x| (x as i32 as usize).min(BINS - 1))
+    }
+}
+
 /// Items in bins below `plane` along `axis` go left.
 #[derive(Clone, Copy)]
 struct Split {
+    binning: Binning,
     axis: usize,
-    min: f32,
-    scale: f32,
     plane: usize,
     cost: f32,
 }
 
 impl Split {
     #[inline]
-    fn bin(&self, item: &Item) -> usize {
-        bin(item.bounds.center2(self.axis), self.min, self.scale)
+    fn is_left(&self, item: &Item) -> bool {
+        self.binning.bins(&item.bounds())[self.axis] < self.plane
     }
-}
-
-#[inline]
-fn bin(center2: f32, min: f32, scale: f32) -> usize {
-    // A saturating cast: what is not a number lands in bin 0.
-    (((center2 - min) * scale) as usize).min(BINS - 1)
 }
 
 /// Moves the items for which `left` holds to the front; their number.
@@ -251,28 +269,27 @@ fn partition(items: &mut [Item], left: impl Fn(&Item) -> bool) -> usize {
 
 /// The split of least cost (area times load, left plus right) over all three axes; `None` where all centers
 /// coincide.
-fn best_split(items: &[Item], kinds: Kinds, centers: &Box32) -> Option<Split> {
-    let mut boxes = [[Box32::EMPTY; BINS]; 3];
+fn best_split(items: &[Item], kinds: Kinds, centers: &Aabb) -> Option<Split> {
+    let mut boxes = [[Aabb::empty(); BINS]; 3];
     let mut loads = [[Load::default(); BINS]; 3];
-    let scales = [0, 1, 2].map(|k| {
-        let scale = BINS as f32 * 0.9999 / (centers.max[k] - centers.min[k]);
-        if scale.is_finite() { scale } else { 0.0 }
-    });
+    let binning = Binning::new(centers);
     for item in items {
         let load = Load::of(item, kinds);
+        let bounds = item.bounds();
+        let bins = binning.bins(&bounds);
         for k in 0..3 {
-            let i = bin(item.bounds.center2(k), centers.min[k], scales[k]);
-            boxes[k][i].grow(&item.bounds);
-            loads[k][i].add(load);
+            boxes[k][bins[k]].grow(&bounds);
+            loads[k][bins[k]].add(load);
         }
     }
+    let scales = binning.scale.to_array();
     let mut best: Option<Split> = None;
     for axis in 0..3 {
         if scales[axis] == 0.0 {
             continue;
         }
         let mut right_cost = [f32::INFINITY; BINS];
-        let (mut bounds, mut load) = (Box32::EMPTY, Load::default());
+        let (mut bounds, mut load) = (Aabb::empty(), Load::default());
         for i in (1..BINS).rev() {
             bounds.grow(&boxes[axis][i]);
             load.add(loads[axis][i]);
@@ -280,16 +297,15 @@ fn best_split(items: &[Item], kinds: Kinds, centers: &Box32) -> Option<Split> {
                 right_cost[i] = bounds.half_area() * load.cost();
             }
         }
-        (bounds, load) = (Box32::EMPTY, Load::default());
+        (bounds, load) = (Aabb::empty(), Load::default());
         for plane in 1..BINS {
             bounds.grow(&boxes[axis][plane - 1]);
             load.add(loads[axis][plane - 1]);
             let cost = bounds.half_area() * load.cost() + right_cost[plane];
             if !load.is_empty() && cost.is_finite() && best.is_none_or(|b| cost < b.cost) {
                 best = Some(Split {
+                    binning,
                     axis,
-                    min: centers.min[axis],
-                    scale: scales[axis],
                     plane,
                     cost,
                 });

@@ -7,6 +7,7 @@ mod collapse;
 use super::{
     blocks::BLOCK,
     boxes::{Box32, Child, LeafKind, Node},
+    four::F4,
 };
 
 /// Cost of visiting a node, in tests of one block.
@@ -57,12 +58,74 @@ impl Kinds {
     }
 }
 
+/// A box in registers; the fourth lane holds nothing.
+#[derive(Clone, Copy)]
+struct Aabb {
+    min: F4,
+    max: F4,
+}
+
+impl Aabb {
+    #[inline]
+    fn empty() -> Self {
+        Self {
+            min: F4::splat(f32::INFINITY),
+            max: F4::splat(f32::NEG_INFINITY),
+        }
+    }
+
+    /// Grows to contain another box. NaN is left out: the second operand stays.
+    #[inline(always)]
+    fn grow(&mut self, other: &Self) {
+        self.min = other.min.min(self.min);
+        self.max = other.max.max(self.max);
+    }
+
+    /// Grows to contain a point. The center of an empty box is NaN and left out.
+    #[inline(always)]
+    fn grow_point(&mut self, p: F4) {
+        self.min = p.min(self.min);
+        self.max = p.max(self.max);
+    }
+
+    /// Half the surface area; 0 for the empty box.
+    #[inline]
+    fn half_area(&self) -> f32 {
+        let [x, y, z, _] = self.max.sub(self.min).to_array();
+        if x < 0.0 { 0.0 } else { x * y + y * z + z * x }
+    }
+
+    fn to_box(self) -> Box32 {
+        let corner = |v: F4| {
+            let [x, y, z, _] = v.to_array();
+            [x, y, z]
+        };
+        Box32 {
+            min: corner(self.min),
+            max: corner(self.max),
+        }
+    }
+}
+
 /// A primitive while the tree is being built.
 #[derive(Clone, Copy)]
+#[repr(align(16))]
 struct Item {
-    bounds: Box32,
+    min: [f32; 3],
     index: u32,
+    max: [f32; 3],
     area: f32,
+}
+
+impl Item {
+    #[inline(always)]
+    fn bounds(&self) -> Aabb {
+        let wide = |[x, y, z]: [f32; 3]| F4::from_array([x, y, z, 0.0]);
+        Aabb {
+            min: wide(self.min),
+            max: wide(self.max),
+        }
+    }
 }
 
 /// Numbers of primitives that share blocks and of those that stand alone.
@@ -110,8 +173,9 @@ impl Bvh {
             .iter()
             .zip(0..)
             .map(|(p, index)| Item {
-                bounds: p.bounds,
+                min: p.bounds.min,
                 index,
+                max: p.bounds.max,
                 area: p.area,
             })
             .collect();
