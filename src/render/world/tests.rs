@@ -231,3 +231,34 @@ fn closed_meshes_do_not_leak() {
         }
     }
 }
+
+/// A group without shapes has an empty box, which once hid what stood beside it in the tree.
+#[test]
+fn an_instance_of_nothing_hides_nothing() {
+    let sphere = |x: f64| Placed {
+        thing: Thing::Sphere(0.5),
+        translation: DVec3::new(x, 0.0, 0.0),
+        axis: DVec3::Y,
+        degrees: 0.0,
+        scale: DVec3::ONE,
+    };
+    let nothing = Placed {
+        thing: Thing::Instance(0),
+        ..sphere(1.0)
+    };
+    let root: Vec<Placed> = (0..20)
+        .map(|i| {
+            if i % 3 == 0 {
+                nothing.clone()
+            } else {
+                sphere(f64::from(i))
+            }
+        })
+        .collect();
+    let scene = scene(&[vec![nothing.clone()]], &root, 1.0);
+    let world = World::compile(&scene).unwrap();
+    for i in (0..20).filter(|i| i % 3 != 0) {
+        let probe = Probe::from_space(Ray::new(DVec3::new(f64::from(i) + 0.1, 0.1, 9.0), DVec3::NEG_Z));
+        assert!(world.nearest(&probe, f64::INFINITY).is_some(), "sphere {i}");
+    }
+}
