@@ -153,7 +153,7 @@ impl Loader<'_, '_> {
 /// Entry `index` of the list that the command `what` fills.
 fn listed<T: Copy>(list: &[T], index: usize, what: &str) -> Result<T, SceneError> {
     list.get(index).copied().ok_or_else(|| {
-        let error = SceneError::new(format!(
+        let error = malformed(format!(
             "there is no {what} {index}: {} before this line",
             counted(
                 list.len(),
@@ -176,9 +176,15 @@ fn listed<T: Copy>(list: &[T], index: usize, what: &str) -> Result<T, SceneError
 fn smooth(list: &[(DVec3, DVec3)], index: usize) -> Result<(DVec3, DVec3), SceneError> {
     let vertex = listed(list, index, "vertexnormal")?;
     if vertex.1 == DVec3::ZERO {
-        return Err(SceneError::new(format!(
-            "the normal of vertexnormal {index} is zero"
-        )));
+        return Err(malformed(format!("the normal of vertexnormal {index} is zero")));
     }
     Ok(vertex)
+}
+
+/// A fault of the file itself, where what the builder refuses is a fault of the scene.
+fn malformed(message: String) -> SceneError {
+    SceneError {
+        kind: ErrorKind::Input,
+        ..SceneError::new(message)
+    }
 }

@@ -144,7 +144,7 @@ fn every_bad_course_scene_has_its_line_and_code() {
         ("sphere 0 0 0 one", 3),
         ("sphere 0 0 nan 1", 3),
         ("sphere 0 0 0 -1", 1),
-        ("tri 0 1 2", 1),
+        ("tri 0 1 2", 3),
         ("popTransform", 1),
         ("camera 0 0 5 0 0 5 0 1 0 45", 1),
         ("camera 0 0 5 0 0 0 0 1 0 200", 1),

@@ -113,8 +113,8 @@ impl Builder {
     pub fn mult_matrix(&mut self, rows: &[f64; 16]) -> Result<(), SceneError> {
         if let Some(i) = rows.iter().position(|x| !x.is_finite()) {
             return Err(SceneError::new(format!(
-                "number {} of the matrix is not finite",
-                i + 1
+                "matrix[{i}] must be a finite number, not {}",
+                rows[i]
             )));
         }
         let [a, b, c, x, d, e, f, y, g, h, i, z, last @ ..] = *rows;
