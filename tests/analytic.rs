@@ -5,6 +5,7 @@
 use rtscript::{
     Builder, DVec3, Image, Limits, NoHost, RenderOptions, Scene, Term, render,
     scene::{Attenuation, Camera},
+    shape::{Cuboid, Plane, Shape},
 };
 
 fn color(v: f64) -> Term {
@@ -207,6 +208,40 @@ fn a_glass_ball_bends_light_by_snells_law() {
     b.material_mut().emission = color(1.0);
     b.sphere(exit + dir * 50.0, 1e-6).unwrap();
     assert_eq!(center(&picture(&b.finish().value)).x, 1.0);
+}
+
+/// A block of glass that stands exactly on the ground: no ray finds its way between the two.
+#[test]
+fn a_block_of_glass_on_the_ground_shows_the_ground() {
+    for scale in [1.0, 1e-3, 1e4] {
+        let mut b = Builder::new();
+        b.size(90, 60).unwrap();
+        b.scale(DVec3::splat(scale)).unwrap();
+        let eye = DVec3::new(1.1, 2.5, 6.0) * scale;
+        b.camera(Camera::new(eye, DVec3::new(0.0, 0.4, 0.0) * scale, DVec3::Y, 24.0).unwrap());
+        b.background(DVec3::Z).unwrap();
+        b.max_depth(8).unwrap();
+        b.material_mut().ambient = Term::color(DVec3::new(0.5, 0.5, 0.0));
+        b.shape(Shape::Plane(Plane)).unwrap();
+        b.material_mut().ambient = Term::BLACK;
+        b.material_mut().transmission = color(0.9);
+        b.material_mut().ior = 1.0;
+        b.rotate(DVec3::Y, 20.0).unwrap();
+        b.translate(DVec3::new(0.0, 0.5, 0.0)).unwrap();
+        b.shape(Shape::Cuboid(Cuboid::new(DVec3::ONE).unwrap())).unwrap();
+        let image = picture(&b.finish().value);
+        // Without bending, what lies below the horizon is ground, seen through the glass or not.
+        let horizon = 14;
+        let leaks = (horizon..60).flat_map(|y| (0..90).map(move |x| (x, y)));
+        let leaks = leaks
+            .filter(|(x, y)| image.pixel(*x, *y).unwrap().z > 0.0)
+            .count();
+        assert_eq!(leaks, 0, "at scale {scale}");
+        assert!(
+            image.pixels().iter().filter(|p| p[0] > 0.3 && p[0] < 0.5).count() > 100,
+            "the glass is seen"
+        );
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::{
     interrupt::Interrupt,
     lighting::{self, Gloss},
     sampler::Sampler,
-    world::{Probe, SurfacePoint, World},
+    world::{Hit, Probe, SurfacePoint, World},
 };
 use crate::{
     color::Color,
@@ -98,10 +98,7 @@ pub(super) fn radiance(
         waiting -= 1;
         let Pending { probe, weight, depth } = stack[waiting];
         let ray = probe.ray;
-        let seen = world
-            .nearest(&probe, f64::INFINITY)
-            .and_then(|hit| Some((hit, world.surface(&hit, &ray)?)));
-        let Some((hit, at)) = seen else {
+        let Some((hit, at)) = seen(world, &probe) else {
             sum += weight * settings.background;
             continue;
         };
@@ -146,6 +143,25 @@ pub(super) fn radiance(
         counts.invalid += 1;
         Color::ZERO
     }
+}
+
+/// What a ray meets. Where something transparent touches something opaque, as a block of glass touches the table it
+/// stands on, that is the opaque one: it would be seen through the other anyway, and which of the two is nearer
+/// is a matter of rounding.
+fn seen<'s>(world: &World<'s>, probe: &Probe) -> Option<(Hit, SurfacePoint<'s>)> {
+    let hit = world.nearest(probe, f64::INFINITY)?;
+    let at = world.surface(&hit, &probe.ray)?;
+    if at.material.transmission.is_black() {
+        return Some((hit, at));
+    }
+    let behind = world
+        .touching(&hit, probe.ray.dir, &at)
+        .and_then(|(hit, ray)| Some((hit, world.surface(&hit, &ray)?)));
+    Some(
+        behind
+            .filter(|(_, other)| other.material.transmission.is_black())
+            .unwrap_or((hit, at)),
+    )
 }
 
 /// A ray that goes on from a surface.

@@ -13,7 +13,7 @@ mod tests;
 mod trace;
 
 pub(crate) use surface::SurfacePoint;
-pub(crate) use trace::{Blocker, Probe};
+pub(crate) use trace::{Blocker, Hit, Probe};
 
 use crate::{
     math::{DVec3, Ray},

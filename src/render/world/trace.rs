@@ -1,12 +1,12 @@
 //! The nearest hit, and whether anything stands in the way.
 
 use super::{
-    World,
+    SurfacePoint, World,
     level::{Level, Primitive},
 };
 use crate::{
     accel::{BLOCK, Child, Control, LeafKind, NONE, RayBlock, RayBox, round_down, round_up},
-    math::{Ray, max_abs},
+    math::{DVec3, Ray, max_abs},
     shape::{Crossing, Crossings, Sphere, triangle::TriangleRay},
 };
 
@@ -115,6 +115,15 @@ impl World<'_> {
         let mut query = Query::new(probe, t_max);
         self.search::<false>(self.root()?, 0, &probe.ray, &mut query);
         query.hit()
+    }
+
+    /// What else lies in the very surface that a ray met at `at`, such as the table under a block of glass that
+    /// stands on it: rounding alone decides which of the two is nearer.
+    pub(crate) fn touching(&self, hit: &Hit, dir: DVec3, at: &SurfacePoint<'_>) -> Option<(Hit, Ray)> {
+        let mut probe = Probe::from_surface(Ray::new(at.position, dir), hit.number, at.scale);
+        let reach = probe.t_min;
+        (probe.t_min, probe.t_min_self) = (-reach, f64::INFINITY);
+        Some((self.nearest(&probe, reach)?, probe.ray))
     }
 
     /// What kind of thing is met before `t_max`.
