@@ -35,8 +35,8 @@ struct LocalSurface {
     uv: DVec2,
     /// The point in the object's space, where solid textures live.
     object_position: DVec3,
+    /// [`MaterialId::INHERIT`] where whatever places the level decides.
     material: MaterialId,
-    object: u32,
 }
 
 impl<'s> World<'s> {
@@ -71,9 +71,8 @@ impl<'s> World<'s> {
             level = self.levels.get(instance.level as usize)?;
             number = rest;
         };
-        let object = self.object(level, local.object);
         let material = match local.material {
-            MaterialId::INHERIT => object.map(|o| o.material).or(placing_material)?,
+            MaterialId::INHERIT => placing_material?,
             own => own,
         };
         let to_world = |n: DVec3| {
@@ -133,7 +132,6 @@ impl<'s> World<'s> {
                     uv: DVec2::ZERO,
                     object_position: p,
                     material: object.material,
-                    object: sphere.object,
                 };
                 if self.is_textured(object.material)
                     && let crate::scene::Geometry::Shape(shape) = &object.geometry
@@ -156,7 +154,6 @@ impl<'s> World<'s> {
                     uv: surface.uv,
                     object_position,
                     material: object.material,
-                    object: placed.object,
                 })
             }
             Primitive::Instance(_) => None,
@@ -210,7 +207,10 @@ impl<'s> World<'s> {
         let uv = uvs.map_or(DVec2::new(hit.u, hit.v), |[ua, ub, uc]| {
             ua * weights[0] + ub * weights[1] + uc * weights[2]
         });
-        let material = own_material.unwrap_or(MaterialId::INHERIT);
+        let material = own_material
+            .filter(|own| *own != MaterialId::INHERIT)
+            .or(object.map(|object| object.material))
+            .unwrap_or(MaterialId::INHERIT);
         let object_position = if moved && self.has_textures() {
             level_from_object.inverse().transform_point3(p)
         } else {
@@ -222,7 +222,6 @@ impl<'s> World<'s> {
             uv,
             object_position,
             material,
-            object: run.object,
         })
     }
 

@@ -162,15 +162,19 @@ proptest! {
     }
 }
 
-#[test]
-fn numbers_lead_back_to_primitives_through_nested_instances() {
-    let sphere = |x: f64| Placed {
+/// A ball of radius 0.5 on the X axis.
+fn sphere(x: f64) -> Placed {
+    Placed {
         thing: Thing::Sphere(0.5),
         translation: DVec3::new(x, 0.0, 0.0),
         axis: DVec3::Y,
         degrees: 0.0,
         scale: DVec3::ONE,
-    };
+    }
+}
+
+#[test]
+fn numbers_lead_back_to_primitives_through_nested_instances() {
     let at = |x: f64, group: usize| Placed {
         thing: Thing::Instance(group),
         ..sphere(x)
@@ -235,13 +239,6 @@ fn closed_meshes_do_not_leak() {
 /// A group without shapes has an empty box, which once hid what stood beside it in the tree.
 #[test]
 fn an_instance_of_nothing_hides_nothing() {
-    let sphere = |x: f64| Placed {
-        thing: Thing::Sphere(0.5),
-        translation: DVec3::new(x, 0.0, 0.0),
-        axis: DVec3::Y,
-        degrees: 0.0,
-        scale: DVec3::ONE,
-    };
     let nothing = Placed {
         thing: Thing::Instance(0),
         ..sphere(1.0)
