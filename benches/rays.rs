@@ -77,6 +77,9 @@ fn main() {
         ("ao", "ao-shuffled", false),
         ("shadow", "shadow", true),
     ] {
+        if rest.iter().any(|a| a == "--set") && !rest.iter().any(|a| a == set) {
+            continue;
+        }
         let raw = numbers(&fs::read(format!("{ray_dir}/{name}.{file}.rays")).unwrap());
         let mut shots: Vec<Shot> = raw
             .chunks_exact(8)

@@ -72,6 +72,15 @@ impl Node {
         children: [Child::NOTHING; 8],
     };
 
+    /// Largest size of a coordinate of the boxes; infinite sizes stand for empty boxes.
+    pub(super) fn extent(&self) -> f32 {
+        let planes = self.planes.as_flattened().iter();
+        planes
+            .map(|x| x.abs())
+            .filter(|x| *x < f32::INFINITY)
+            .fold(0.0, f32::max)
+    }
+
     pub(super) fn set(&mut self, lane: usize, bounds: &Box32, child: Child) {
         for k in 0..3 {
             self.planes[k][lane] = bounds.min[k];
@@ -140,11 +149,18 @@ impl Child {
         }
     }
 
+    /// The first block or place that a leaf covers; a leaf of triangles or spheres covers no other.
+    #[inline(always)]
+    #[must_use]
+    pub fn first(self) -> usize {
+        (self.0 & Self::FIRST) as usize
+    }
+
     /// Blocks, or places of the primitive order, that a leaf covers.
     #[inline(always)]
     #[must_use]
     pub fn range(self) -> std::ops::Range<usize> {
-        let first = (self.0 & Self::FIRST) as usize;
+        let first = self.first();
         first..first + (self.0 >> Self::COUNT_SHIFT & 3) as usize + 1
     }
 }

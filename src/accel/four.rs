@@ -6,9 +6,11 @@
 mod imp {
     use std::arch::x86_64::*;
 
+    use crate::math::DVec3;
+
     /// Four lanes.
     #[derive(Clone, Copy, Debug)]
-    pub(in crate::accel) struct F4(__m128);
+    pub struct F4(pub(in crate::accel) __m128);
 
     // SAFETY of all calls below: SSE2 is part of the x86-64 target.
     impl F4 {
@@ -20,6 +22,21 @@ mod imp {
         #[inline(always)]
         pub(in crate::accel) fn from_array(a: [f32; 4]) -> Self {
             Self(unsafe { _mm_setr_ps(a[0], a[1], a[2], a[3]) })
+        }
+
+        /// A vector rounded to f32, and 0 in the last lane.
+        #[inline(always)]
+        pub(in crate::accel) fn rounded(v: DVec3) -> Self {
+            unsafe {
+                let (xy, z) = (_mm_set_pd(v.y, v.x), _mm_set_sd(v.z));
+                Self(_mm_movelh_ps(_mm_cvtpd_ps(xy), _mm_cvtpd_ps(z)))
+            }
+        }
+
+        /// Each lane without its sign.
+        #[inline(always)]
+        pub(in crate::accel) fn abs(self) -> Self {
+            Self(unsafe { _mm_andnot_ps(_mm_set1_ps(-0.0), self.0) })
         }
 
         #[inline(always)]
@@ -68,21 +85,58 @@ mod imp {
             Self(unsafe { _mm_xor_ps(self.0, sign.0) })
         }
 
-        /// One bit for each lane where `self < b`; clear where either is NaN.
         #[inline(always)]
-        pub(in crate::accel) fn below(self, b: Self) -> u32 {
-            unsafe { _mm_movemask_ps(_mm_cmplt_ps(self.0, b.0)) as u32 }
+        pub(in crate::accel) fn div(self, b: Self) -> Self {
+            Self(unsafe { _mm_div_ps(self.0, b.0) })
+        }
+
+        /// All bits of each lane where `self < b`; none where either is NaN.
+        #[inline(always)]
+        pub(in crate::accel) fn below(self, b: Self) -> Self {
+            Self(unsafe { _mm_cmplt_ps(self.0, b.0) })
+        }
+
+        /// Bit by bit.
+        #[inline(always)]
+        pub(in crate::accel) fn or(self, b: Self) -> Self {
+            Self(unsafe { _mm_or_ps(self.0, b.0) })
+        }
+
+        /// Bit by bit.
+        #[inline(always)]
+        pub(in crate::accel) fn and(self, b: Self) -> Self {
+            Self(unsafe { _mm_and_ps(self.0, b.0) })
+        }
+
+        /// The topmost bit of each lane.
+        #[inline(always)]
+        pub(in crate::accel) fn bits(self) -> u32 {
+            unsafe { _mm_movemask_ps(self.0) as u32 }
         }
     }
 }
 
 #[cfg(not(target_arch = "x86_64"))]
 mod imp {
+    use crate::math::DVec3;
+
     /// Four lanes.
     #[derive(Clone, Copy, Debug)]
-    pub(in crate::accel) struct F4([f32; 4]);
+    pub struct F4([f32; 4]);
 
     impl F4 {
+        /// A vector rounded to f32, and 0 in the last lane.
+        #[inline(always)]
+        pub(in crate::accel) fn rounded(v: DVec3) -> Self {
+            Self([v.x as f32, v.y as f32, v.z as f32, 0.0])
+        }
+
+        /// Each lane without its sign.
+        #[inline(always)]
+        pub(in crate::accel) fn abs(self) -> Self {
+            Self(self.0.map(f32::abs))
+        }
+
         #[inline(always)]
         fn zip(self, b: Self, f: impl Fn(f32, f32) -> f32) -> Self {
             Self(std::array::from_fn(|i| f(self.0[i], b.0[i])))
@@ -142,10 +196,38 @@ mod imp {
             self.zip(sign, |a, s| f32::from_bits(a.to_bits() ^ s.to_bits()))
         }
 
-        /// One bit for each lane where `self < b`; clear where either is NaN.
         #[inline(always)]
-        pub(in crate::accel) fn below(self, b: Self) -> u32 {
-            (0..4).fold(0, |mask, i| mask | u32::from(self.0[i] < b.0[i]) << i)
+        fn combine(self, b: Self, f: impl Fn(u32, u32) -> u32) -> Self {
+            self.zip(b, |a, b| f32::from_bits(f(a.to_bits(), b.to_bits())))
+        }
+
+        #[inline(always)]
+        pub(in crate::accel) fn div(self, b: Self) -> Self {
+            self.zip(b, |a, b| a / b)
+        }
+
+        /// All bits of each lane where `self < b`; none where either is NaN.
+        #[inline(always)]
+        pub(in crate::accel) fn below(self, b: Self) -> Self {
+            self.zip(b, |a, b| f32::from_bits(if a < b { u32::MAX } else { 0 }))
+        }
+
+        /// Bit by bit.
+        #[inline(always)]
+        pub(in crate::accel) fn or(self, b: Self) -> Self {
+            self.combine(b, |a, b| a | b)
+        }
+
+        /// Bit by bit.
+        #[inline(always)]
+        pub(in crate::accel) fn and(self, b: Self) -> Self {
+            self.combine(b, |a, b| a & b)
+        }
+
+        /// The topmost bit of each lane.
+        #[inline(always)]
+        pub(in crate::accel) fn bits(self) -> u32 {
+            (0..4).fold(0, |mask, i| mask | self.0[i].to_bits() >> 31 << i)
         }
     }
 }

@@ -9,10 +9,12 @@ mod boxes;
 mod build;
 mod four;
 mod lanes;
+mod ray;
 mod traverse;
 
-pub use blocks::{BLOCK, Candidates, NONE, RayBlock, Spheres, Triangles};
+pub use blocks::{BLOCK, Candidates, NONE, Range, Spheres, Triangles};
 pub use boxes::{Box32, Child, LeafKind, round_down, round_up};
 pub use build::{Bvh, Kinds, Primitive};
-pub use lanes::Simd;
-pub use traverse::{Control, RayBox};
+pub use lanes::{Lanes, Simd, prefetch};
+pub use ray::{Ray32, RayBlock, RayBox, RaySphere};
+pub use traverse::{Control, Visitor};

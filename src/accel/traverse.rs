@@ -5,13 +5,13 @@
 use std::mem::MaybeUninit;
 
 #[cfg(target_arch = "x86_64")]
-use super::lanes::Avx2;
+use super::lanes::{Avx2, Avx512, Sse2};
 use super::{
-    boxes::{Child, Node, round_up},
+    boxes::{Child, Node},
     build::Bvh,
     lanes::{Lanes, Portable, Simd, prefetch},
+    ray::RayBox,
 };
-use crate::math::Ray;
 
 /// What a visitor wants next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,54 +22,21 @@ pub enum Control {
     Stop,
 }
 
-/// A ray prepared for conservative box tests in f32.
-///
-/// The distance to a plane p is (p - o) / d. For the entry into a box it must not come out too large, for the
-/// exit not too small: o is rounded to the side that makes it so, and 1/d is shrunk or stretched by 8 units in
-/// the last place, more than the three roundings of the computation together. Distances that are negative may
-/// then be off in the other direction, but stay negative, which is all that is asked of them.
-#[derive(Clone, Copy, Debug)]
-pub struct RayBox {
-    /// Plane arrays to take for entry, by axis; the exit's is the other of the pair.
-    near: [usize; 3],
-    far: [usize; 3],
-    origin_near: [f32; 3],
-    origin_far: [f32; 3],
-    inverse_near: [f32; 3],
-    inverse_far: [f32; 3],
+/// Is shown the leaves that a ray may hit something in.
+pub trait Visitor {
+    /// Looks at a leaf with the instructions at hand; may lower the bound to what it found.
+    fn leaf<L: Lanes>(&mut self, lanes: L, leaf: Child, bound: &mut f32) -> Control;
+
+    /// Where the blocks of leaves begin, and the bytes of one: memory to be asked for before it is needed. Of two
+    /// kinds, those of one.
+    fn blocks(&self) -> (*const u8, usize);
 }
 
-impl RayBox {
-    /// Prepares a ray.
-    #[inline]
-    #[must_use]
-    pub fn new(ray: &Ray) -> Self {
-        let mut prepared = Self {
-            near: [0, 1, 2],
-            far: [3, 4, 5],
-            origin_near: [0.0; 3],
-            origin_far: [0.0; 3],
-            inverse_near: [0.0; 3],
-            inverse_far: [0.0; 3],
-        };
-        const SLACK: f32 = 8.0 * f32::EPSILON;
-        for k in 0..3 {
-            let (o, d) = (ray.origin[k] as f32, ray.dir[k]);
-            // A whole unit in the last place to either side, where rounding took half of one at the most.
-            let ulp = o.abs() * f32::EPSILON + f32::MIN_POSITIVE;
-            // Finite, so that 0 * inverse is 0: a ray in the plane of a face is inside.
-            let inverse = ((1.0 / d) as f32).clamp(f32::MIN, f32::MAX);
-            prepared.inverse_near[k] = inverse * (1.0 - SLACK);
-            prepared.inverse_far[k] = (inverse * (1.0 + SLACK)).clamp(f32::MIN, f32::MAX);
-            if d.is_sign_negative() {
-                (prepared.near[k], prepared.far[k]) = (k + 3, k);
-                (prepared.origin_near[k], prepared.origin_far[k]) = (o - ulp, o + ulp);
-            } else {
-                (prepared.origin_near[k], prepared.origin_far[k]) = (o + ulp, o - ulp);
-            }
-        }
-        prepared
-    }
+/// One number of each axis in all lanes. Written out: what has no features of its own, as a closure, may not be
+/// inlined into what has.
+#[inline(always)]
+fn splat<L: Lanes>(lanes: L, [x, y, z, _]: [f32; 4]) -> [L::F8; 3] {
+    [lanes.splat(x), lanes.splat(y), lanes.splat(z)]
 }
 
 /// Seven siblings wait at each level, and a level takes up at least one of the binary tree's: 48 by area
@@ -84,22 +51,38 @@ struct Waiting {
 }
 
 impl Bvh {
-    /// Calls `visit` with each leaf whose box the ray enters before `t_max`, roughly nearest first; with `ANY` in
-    /// no particular order. `visit` may lower the bound it is given to what it found.
+    /// Shows `visitor` each leaf whose box the ray enters between `t_near`, which is at most 0, and `bound`,
+    /// roughly nearest first; with `ANY` in the order of what they promise.
     #[inline]
     pub fn traverse<const ANY: bool>(
         &self,
         ray: &RayBox,
-        t_max: f64,
-        visit: impl FnMut(Child, &mut f32) -> Control,
+        t_near: f32,
+        bound: f32,
+        visitor: &mut impl Visitor,
     ) {
-        let bound = round_up(t_max);
-        // SAFETY: `detect` names only what the processor has.
+        self.traverse_by::<ANY>(Simd::detect(), ray, t_near, bound, visitor);
+    }
+
+    #[inline(always)]
+    fn traverse_by<const ANY: bool>(
+        &self,
+        simd: Simd,
+        ray: &RayBox,
+        t_near: f32,
+        bound: f32,
+        visitor: &mut impl Visitor,
+    ) {
+        // SAFETY: only what the processor has is ever named.
         unsafe {
-            match Simd::detect() {
-                Simd::Portable => self.traverse_with::<Portable, ANY>(ray, bound, visit),
+            match simd {
+                Simd::Portable => self.traverse_with::<_, ANY>(Portable, ray, t_near, bound, visitor),
                 #[cfg(target_arch = "x86_64")]
-                Simd::Avx2 => self.traverse_avx2::<ANY>(ray, bound, visit),
+                Simd::Sse2 => self.traverse_with::<_, ANY>(Sse2, ray, t_near, bound, visitor),
+                #[cfg(target_arch = "x86_64")]
+                Simd::Avx2 => self.traverse_avx2::<ANY>(ray, t_near, bound, visitor),
+                #[cfg(target_arch = "x86_64")]
+                Simd::Avx512 => self.traverse_avx512::<ANY>(ray, t_near, bound, visitor),
             }
         }
     }
@@ -107,158 +90,186 @@ impl Bvh {
     /// # Safety
     /// The processor must have these features.
     #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,bmi1,lzcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
     unsafe fn traverse_avx2<const ANY: bool>(
         &self,
         ray: &RayBox,
+        t_near: f32,
         bound: f32,
-        visit: impl FnMut(Child, &mut f32) -> Control,
+        visitor: &mut impl Visitor,
     ) {
         // SAFETY: the caller's promise.
-        unsafe { self.traverse_with::<Avx2, ANY>(ray, bound, visit) }
+        unsafe { self.traverse_with::<_, ANY>(Avx2::assume(), ray, t_near, bound, visitor) }
+    }
+
+    /// # Safety
+    /// The processor must have these features.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,avx512f,avx512vl,avx512dq,avx512bw")]
+    unsafe fn traverse_avx512<const ANY: bool>(
+        &self,
+        ray: &RayBox,
+        t_near: f32,
+        bound: f32,
+        visitor: &mut impl Visitor,
+    ) {
+        // SAFETY: the caller's promise.
+        unsafe { self.traverse_with::<_, ANY>(Avx512::assume(), ray, t_near, bound, visitor) }
     }
 
     /// The traversal itself, for any lanes.
-    ///
-    /// # Safety
-    /// The processor must have the instructions of `L`.
     #[inline(always)]
-    unsafe fn traverse_with<L: Lanes, const ANY: bool>(
+    fn traverse_with<L: Lanes, const ANY: bool>(
         &self,
+        lanes: L,
         ray: &RayBox,
+        t_near: f32,
         mut bound: f32,
-        mut visit: impl FnMut(Child, &mut f32) -> Control,
+        visitor: &mut impl Visitor,
     ) {
-        // SAFETY: the caller promises the instructions of `L`. Node indices come from the builder, which makes
-        // each child's index that of a node; the stack holds seven siblings for every level the tree can have.
-        unsafe {
-            if self.nodes.is_empty() {
-                return;
-            }
-            let nodes = self.nodes.as_ptr();
-            let near = ray.near;
-            let far = ray.far;
-            let origin_near = ray.origin_near.map(|x| L::splat(x));
-            let origin_far = ray.origin_far.map(|x| L::splat(x));
-            let inverse_near = ray.inverse_near.map(|x| L::splat(x));
-            let inverse_far = ray.inverse_far.map(|x| L::splat(x));
-            let zero = L::splat(0.0);
-            let mut stack: [MaybeUninit<Waiting>; STACK] = [const { MaybeUninit::uninit() }; STACK];
-            let mut top = 0usize;
-            let mut current = Child(0);
-            loop {
-                while !current.is_leaf() {
-                    let node = &*nodes.add(current.0 as usize);
-                    let distance = |plane: usize, origin: L::F, inverse: L::F| {
-                        L::mul(L::sub(L::load(node.planes.get_unchecked(plane)), origin), inverse)
-                    };
-                    let enter_x = distance(near[0], origin_near[0], inverse_near[0]);
-                    let enter_y = distance(near[1], origin_near[1], inverse_near[1]);
-                    let enter_z = distance(near[2], origin_near[2], inverse_near[2]);
-                    let leave_x = distance(far[0], origin_far[0], inverse_far[0]);
-                    let leave_y = distance(far[1], origin_far[1], inverse_far[1]);
-                    let leave_z = distance(far[2], origin_far[2], inverse_far[2]);
-                    let enter = L::max(L::max(enter_x, enter_y), L::max(enter_z, zero));
-                    let leave = L::min(L::min(leave_x, leave_y), L::min(leave_z, L::splat(bound)));
-                    let mut mask = L::at_most(enter, leave);
-                    if mask == 0 {
-                        break;
-                    }
-                    let child = |lane: u32| *node.children.get_unchecked(lane as usize & 7);
-                    let first = mask.trailing_zeros();
-                    mask &= mask - 1;
-                    if mask == 0 {
-                        current = child(first);
-                        continue;
-                    }
-                    if ANY {
-                        // Children stand in ascending order of what they promise.
-                        mask |= 1 << first;
-                        let last = 31 - mask.leading_zeros();
-                        mask ^= 1 << last;
-                        current = child(last);
-                        self.prefetch(current);
-                        while mask != 0 {
-                            let next = child(mask.trailing_zeros());
-                            mask &= mask - 1;
-                            self.prefetch(next);
-                            stack.get_unchecked_mut(top).write(Waiting {
+        if self.nodes.is_empty() {
+            return;
+        }
+        let nodes = self.nodes.as_ptr();
+        let (near, far) = (ray.near, ray.far);
+        let inverse_near = splat(lanes, ray.inverse_near);
+        let inverse_far = splat(lanes, ray.inverse_far);
+        let offset_near = splat(lanes, ray.offset_near);
+        let offset_far = splat(lanes, ray.offset_far);
+        let (node_memory, block_memory) = ((nodes.cast(), size_of::<Node>()), visitor.blocks());
+        let ask_for = |child: Child| prefetch_child(child, node_memory, block_memory);
+        let t_near = lanes.splat(t_near);
+        let mut stack: [MaybeUninit<Waiting>; STACK] = [const { MaybeUninit::uninit() }; STACK];
+        let mut top = 0usize;
+        let mut current = Child(0);
+        loop {
+            while !current.is_leaf() {
+                // SAFETY: node indices come from the builder, which makes each child's index that of a node.
+                let node = unsafe { &*nodes.add(current.0 as usize) };
+                // SAFETY: `near` and `far` are below 6.
+                let plane = |i: usize| unsafe { node.planes.get_unchecked(i) };
+                let enter_x = lanes.mul_add(lanes.load(plane(near[0])), inverse_near[0], offset_near[0]);
+                let enter_y = lanes.mul_add(lanes.load(plane(near[1])), inverse_near[1], offset_near[1]);
+                let enter_z = lanes.mul_add(lanes.load(plane(near[2])), inverse_near[2], offset_near[2]);
+                let leave_x = lanes.mul_add(lanes.load(plane(far[0])), inverse_far[0], offset_far[0]);
+                let leave_y = lanes.mul_add(lanes.load(plane(far[1])), inverse_far[1], offset_far[1]);
+                let leave_z = lanes.mul_add(lanes.load(plane(far[2])), inverse_far[2], offset_far[2]);
+                let enter = lanes.max(lanes.max(enter_x, enter_y), lanes.max(enter_z, t_near));
+                let leave = lanes.min(
+                    lanes.min(leave_x, leave_y),
+                    lanes.min(leave_z, lanes.splat(bound)),
+                );
+                let mut mask = lanes.at_most(enter, leave);
+                if mask == 0 {
+                    break;
+                }
+                let child = |lane: u32| node.children[lane as usize & 7];
+                let first = mask.trailing_zeros();
+                mask &= mask - 1;
+                if mask == 0 {
+                    current = child(first);
+                    ask_for(current);
+                    continue;
+                }
+                let mut push = |at: usize, waiting: Waiting| {
+                    // SAFETY: the stack holds seven siblings for every level the tree can have.
+                    unsafe { stack.get_unchecked_mut(at).write(waiting) };
+                };
+                if ANY {
+                    // Children stand in ascending order of what they promise.
+                    mask |= 1 << first;
+                    let last = 31 - mask.leading_zeros();
+                    mask ^= 1 << last;
+                    current = child(last);
+                    ask_for(current);
+                    while mask != 0 {
+                        let next = child(mask.trailing_zeros());
+                        mask &= mask - 1;
+                        ask_for(next);
+                        push(
+                            top,
+                            Waiting {
                                 child: next,
                                 entry: 0.0,
-                            });
-                            top += 1;
-                        }
-                        continue;
-                    }
-                    let entries = L::store(enter);
-                    let waiting = |lane: u32| Waiting {
-                        child: child(lane),
-                        entry: entries[lane as usize & 7],
-                    };
-                    let second = mask.trailing_zeros();
-                    mask &= mask - 1;
-                    let (mut a, mut b) = (waiting(first), waiting(second));
-                    self.prefetch(a.child);
-                    self.prefetch(b.child);
-                    if b.entry < a.entry {
-                        std::mem::swap(&mut a, &mut b);
-                    }
-                    let base = top;
-                    stack.get_unchecked_mut(top).write(b);
-                    top += 1;
-                    if mask == 0 {
-                        current = a.child;
-                        continue;
-                    }
-                    stack.get_unchecked_mut(top).write(a);
-                    top += 1;
-                    while mask != 0 {
-                        let next = waiting(mask.trailing_zeros());
-                        mask &= mask - 1;
-                        self.prefetch(next.child);
-                        // Kept in order, the nearest on top.
-                        let mut place = top;
-                        while place > base {
-                            let below = stack.get_unchecked(place - 1).assume_init();
-                            if below.entry >= next.entry {
-                                break;
-                            }
-                            stack.get_unchecked_mut(place).write(below);
-                            place -= 1;
-                        }
-                        stack.get_unchecked_mut(place).write(next);
+                            },
+                        );
                         top += 1;
                     }
-                    top -= 1;
-                    current = stack.get_unchecked(top).assume_init().child;
+                    continue;
                 }
-                if current.is_leaf() && visit(current, &mut bound) == Control::Stop {
+                let entries = lanes.store(enter);
+                let waiting = |lane: u32| Waiting {
+                    child: child(lane),
+                    entry: entries[lane as usize & 7],
+                };
+                let second = mask.trailing_zeros();
+                mask &= mask - 1;
+                let (mut a, mut b) = (waiting(first), waiting(second));
+                ask_for(a.child);
+                ask_for(b.child);
+                if b.entry < a.entry {
+                    std::mem::swap(&mut a, &mut b);
+                }
+                let base = top;
+                push(top, b);
+                top += 1;
+                if mask == 0 {
+                    current = a.child;
+                    continue;
+                }
+                push(top, a);
+                top += 1;
+                while mask != 0 {
+                    let next = waiting(mask.trailing_zeros());
+                    mask &= mask - 1;
+                    ask_for(next.child);
+                    // Kept in order, the nearest on top.
+                    let mut place = top;
+                    while place > base {
+                        // SAFETY: written above, in this turn.
+                        let below = unsafe { stack.get_unchecked(place - 1).assume_init() };
+                        if below.entry >= next.entry {
+                            break;
+                        }
+                        // SAFETY: as in `push`.
+                        unsafe { stack.get_unchecked_mut(place).write(below) };
+                        place -= 1;
+                    }
+                    // SAFETY: as in `push`.
+                    unsafe { stack.get_unchecked_mut(place).write(next) };
+                    top += 1;
+                }
+                top -= 1;
+                // SAFETY: all places below `top` have been written.
+                current = unsafe { stack.get_unchecked(top).assume_init() }.child;
+            }
+            if current.is_leaf() && visitor.leaf(lanes, current, &mut bound) == Control::Stop {
+                return;
+            }
+            loop {
+                if top == 0 {
                     return;
                 }
-                loop {
-                    if top == 0 {
-                        return;
-                    }
-                    top -= 1;
-                    let next = stack.get_unchecked(top).assume_init();
-                    if ANY || next.entry <= bound {
-                        current = next.child;
-                        break;
-                    }
+                top -= 1;
+                // SAFETY: all places below `top` have been written.
+                let next = unsafe { stack.get_unchecked(top).assume_init() };
+                if ANY || next.entry <= bound {
+                    current = next.child;
+                    break;
                 }
             }
         }
     }
+}
 
-    /// Asks for a node's memory before it is needed.
-    #[inline(always)]
-    fn prefetch(&self, child: Child) {
-        if !child.is_leaf() {
-            let node = self.nodes.as_ptr().wrapping_add(child.0 as usize).cast::<u8>();
-            for line in 0..size_of::<Node>() / 64 {
-                prefetch(node.wrapping_add(64 * line));
-            }
-        }
+/// Asks for the memory of a node or a leaf before it is needed. `nodes` and `blocks` are the addresses of the
+/// first and the bytes from one to the next.
+#[inline(always)]
+fn prefetch_child(child: Child, nodes: (*const u8, usize), blocks: (*const u8, usize)) {
+    let (first, stride) = if child.is_leaf() { blocks } else { nodes };
+    let at = first.wrapping_add(child.first() * stride);
+    for line in 0..4 {
+        prefetch(at.wrapping_add(64 * line));
     }
 }
 
@@ -266,8 +277,8 @@ impl Bvh {
 mod tests {
     use super::*;
     use crate::{
-        accel::{Box32, Kinds, LeafKind, Primitive},
-        math::{Bounds3, DVec3},
+        accel::{Box32, Kinds, LeafKind, Primitive, ray::Ray32},
+        math::{Bounds3, DVec3, Ray},
     };
 
     fn boxes(n: usize) -> Vec<Bounds3> {
@@ -315,32 +326,36 @@ mod tests {
         (bvh, blocks)
     }
 
-    /// The primitives whose leaves a ray visits, with both sets of instructions.
-    fn visited(bvh: &Bvh, blocks: &[Vec<Vec<u32>>; 2], ray: &Ray) -> Vec<u32> {
-        let prepared = RayBox::new(ray);
-        let primitives = |leaf: Child| match leaf.kind() {
-            LeafKind::Others => bvh.others(leaf).to_vec(),
+    /// Notes what it is shown.
+    #[derive(Default)]
+    struct Leaves(Vec<Child>);
+
+    impl Visitor for Leaves {
+        fn leaf<L: Lanes>(&mut self, _: L, leaf: Child, _: &mut f32) -> Control {
+            self.0.push(leaf);
+            Control::Continue
+        }
+
+        fn blocks(&self) -> (*const u8, usize) {
+            (std::ptr::null(), 0)
+        }
+    }
+
+    /// The primitives whose leaves a ray visits.
+    fn visited<const ANY: bool>(bvh: &Bvh, blocks: &[Vec<Vec<u32>>; 2], ray: &Ray, simd: Simd) -> Vec<u32> {
+        let prepared = RayBox::new(&Ray32::new(ray), bvh.extent());
+        let mut leaves = Leaves::default();
+        bvh.traverse_by::<ANY>(simd, &prepared, 0.0, f32::INFINITY, &mut leaves);
+        let primitives = |leaf: &Child| match leaf.kind() {
+            LeafKind::Others => bvh.others(*leaf).to_vec(),
             kind => leaf
                 .range()
                 .flat_map(|block| blocks[kind as usize][block].clone())
                 .collect(),
         };
-        let (mut fast, mut plain) = (Vec::new(), Vec::new());
-        bvh.traverse::<false>(&prepared, f64::INFINITY, |leaf, _| {
-            fast.extend(primitives(leaf));
-            Control::Continue
-        });
-        // SAFETY: plain arithmetic.
-        unsafe {
-            bvh.traverse_with::<Portable, true>(&prepared, f32::INFINITY, |leaf, _| {
-                plain.extend(primitives(leaf));
-                Control::Continue
-            });
-        }
-        fast.sort_unstable();
-        plain.sort_unstable();
-        assert_eq!(fast, plain, "the instructions do not matter");
-        fast
+        let mut seen: Vec<u32> = leaves.0.iter().flat_map(primitives).collect();
+        seen.sort_unstable();
+        seen
     }
 
     #[test]
@@ -357,9 +372,12 @@ mod tests {
                     let angle = f64::from(i);
                     let dir = DVec3::new(crate::math::sin(angle), crate::math::cos(angle * 1.3), 0.3);
                     let ray = Ray::new(DVec3::new(0.1, -0.2, 0.05) - dir * 3.0, dir);
-                    let seen = visited(&bvh, &blocks, &ray);
-                    for (b, index) in boxes.iter().zip(0..) {
-                        assert!(seen.binary_search(&index).is_ok() || !enters(b, &ray));
+                    for simd in Simd::all() {
+                        let seen = visited::<false>(&bvh, &blocks, &ray, simd);
+                        assert_eq!(seen, visited::<true>(&bvh, &blocks, &ray, simd), "{simd:?}");
+                        for (b, index) in boxes.iter().zip(0..) {
+                            assert!(seen.binary_search(&index).is_ok() || !enters(b, &ray), "{simd:?}");
+                        }
                     }
                 }
             }
@@ -377,7 +395,13 @@ mod tests {
             },
         );
         let ray = Ray::new(DVec3::splat(0.5), DVec3::X);
-        assert!(visited(&bvh, &blocks, &ray).into_iter().eq(0..100_000));
+        for simd in Simd::all() {
+            assert!(
+                visited::<false>(&bvh, &blocks, &ray, simd)
+                    .into_iter()
+                    .eq(0..100_000)
+            );
+        }
     }
 
     #[test]
@@ -385,7 +409,9 @@ mod tests {
         let (bvh, blocks) = build(&[Bounds3::new(DVec3::ZERO, DVec3::ONE)], Kinds::default());
         for dir in [DVec3::X, -DVec3::X, DVec3::new(1.0, 0.0, -0.0)] {
             let ray = Ray::new(DVec3::new(0.5, 1.0, 1.0), dir);
-            assert_eq!(visited(&bvh, &blocks, &ray), [0], "{dir}");
+            for simd in Simd::all() {
+                assert_eq!(visited::<false>(&bvh, &blocks, &ray, simd), [0], "{dir} {simd:?}");
+            }
         }
     }
 }

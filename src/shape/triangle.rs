@@ -15,27 +15,20 @@
 //! more that takes a triangle thinner than the rounding of its own corners. The direction may have any
 //! length from 1e-300 to 1e300.
 
-use crate::math::{DVec3, Ray, max_abs};
+use crate::math::{DVec3, Ray};
 
 /// What the test needs of a ray, made once per ray.
 #[derive(Clone, Copy, Debug)]
 pub struct TriangleRay {
-    /// The axis along which the direction is longest; it takes the place of z, its successors those of x and
-    /// y.
-    kz: Axis,
+    /// The axes in cyclic order, last the one along which the direction is longest: it takes the place of z, its
+    /// successors those of x and y.
+    axes: [usize; 3],
     /// The origin with its axes in that order.
     origin: [f64; 3],
     /// Shears x and y so that the ray runs along z.
     shear: [f64; 2],
     /// t per unit of z.
     t_per_z: f64,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum Axis {
-    X,
-    Y,
-    Z,
 }
 
 /// Where the line meets a triangle `a`, `b`, `c`.
@@ -51,23 +44,24 @@ pub struct TriangleHit {
 
 impl TriangleRay {
     /// Prepares a ray. One without direction, or with numbers that are not finite, meets nothing.
+    #[inline]
     #[must_use]
     pub fn new(ray: &Ray) -> Self {
         let d = ray.dir;
-        let longest = max_abs(d);
-        let kz = if d.x.abs() == longest {
-            Axis::X
-        } else if d.y.abs() == longest {
-            Axis::Y
+        let [x, y, z] = d.abs().to_array();
+        let axes = if x >= y && x >= z {
+            [1, 2, 0]
+        } else if y >= z {
+            [2, 0, 1]
         } else {
-            Axis::Z
+            [0, 1, 2]
         };
-        let [dx, dy, dz] = kz.last(d);
+        let [dx, dy, dz] = ordered(axes, &d);
         // Under an infinite direction every t would be 0; NaN makes it miss, as it does without a direction.
         let dz = if d.is_finite() { dz } else { f64::NAN };
         Self {
-            kz,
-            origin: kz.last(ray.origin),
+            axes,
+            origin: ordered(axes, &ray.origin),
             shear: [dx / dz, dy / dz],
             t_per_z: 1.0 / dz,
         }
@@ -78,7 +72,7 @@ impl TriangleRay {
     #[inline]
     #[must_use]
     pub(super) fn sheared(&self, p: DVec3) -> [f64; 3] {
-        self.shear(self.kz.last(p))
+        self.shear(ordered(self.axes, &p))
     }
 
     #[inline]
@@ -99,16 +93,10 @@ impl TriangleRay {
     /// one seen exactly from its edge are not met.
     #[inline]
     #[must_use]
-    pub fn intersect(&self, a: DVec3, b: DVec3, c: DVec3) -> Option<TriangleHit> {
-        // One choice for all three corners, which the rays of one leaf share.
-        let [a, b, c] = match self.kz {
-            Axis::X => [a, b, c].map(|p| Axis::X.last(p)),
-            Axis::Y => [a, b, c].map(|p| Axis::Y.last(p)),
-            Axis::Z => [a, b, c].map(|p| Axis::Z.last(p)),
-        };
-        let [ax, ay, az] = self.shear(a);
-        let [bx, by, bz] = self.shear(b);
-        let [cx, cy, cz] = self.shear(c);
+    pub fn intersect(&self, [a, b, c]: [&DVec3; 3]) -> Option<TriangleHit> {
+        let [ax, ay, az] = self.shear(ordered(self.axes, a));
+        let [bx, by, bz] = self.shear(ordered(self.axes, b));
+        let [cx, cy, cz] = self.shear(ordered(self.axes, c));
         // Twice the areas opposite a, b and c, in one order of factors for each edge.
         let wa = cx * by - cy * bx;
         let wb = ax * cy - ay * cx;
@@ -128,16 +116,11 @@ impl TriangleRay {
     }
 }
 
-impl Axis {
-    /// The components in cyclic order with this axis last.
-    #[inline]
-    fn last(self, v: DVec3) -> [f64; 3] {
-        match self {
-            Self::X => [v.y, v.z, v.x],
-            Self::Y => [v.z, v.x, v.y],
-            Self::Z => [v.x, v.y, v.z],
-        }
-    }
+/// The components in another order.
+#[inline(always)]
+fn ordered([kx, ky, kz]: [usize; 3], v: &DVec3) -> [f64; 3] {
+    let v: &[f64; 3] = v.as_ref();
+    [v[kx], v[ky], v[kz]]
 }
 
 #[cfg(test)]
@@ -245,7 +228,7 @@ mod tests {
                 .iter()
                 .filter_map(|t| {
                     let [a, b, c] = corners(t);
-                    test.intersect(a, b, c).map(|hit| hit.t)
+                    test.intersect([&a, &b, &c]).map(|hit| hit.t)
                 })
                 .collect()
         }
@@ -362,7 +345,7 @@ mod tests {
                 p - d * scale * rng.within(-10.0, 10.0),
                 d * rng.magnitude(-6.0, 6.0),
             );
-            let hit = TriangleRay::new(&ray).intersect(a, b, c);
+            let hit = TriangleRay::new(&ray).intersect([&a, &b, &c]);
             let clear = wb.min(wc).min(1.0 - wb - wc);
             if clear.abs() > 1e-10 {
                 assert_eq!(hit.is_some(), clear > 0.0, "{wb} {wc} {ray:?} {a} {b} {c}");
@@ -383,8 +366,9 @@ mod tests {
     #[test]
     fn both_sides_and_both_directions_count_and_edges_belong_to_it() {
         let [a, b, c] = [DVec3::ZERO, DVec3::X, DVec3::Y];
-        let hit =
-            |o: [f64; 3], d: [f64; 3]| TriangleRay::new(&Ray::new(o.into(), d.into())).intersect(a, b, c);
+        let hit = |o: [f64; 3], d: [f64; 3]| {
+            TriangleRay::new(&Ray::new(o.into(), d.into())).intersect([&a, &b, &c])
+        };
         let expected = Some(TriangleHit {
             t: 2.0,
             u: 0.25,
@@ -410,36 +394,33 @@ mod tests {
     fn degenerate_triangles_and_rays_that_are_none_miss() {
         let ray = Ray::new(DVec3::new(0.0, 0.0, 1.0), DVec3::NEG_Z);
         let test = TriangleRay::new(&ray);
+        assert!(test.intersect([&DVec3::ZERO; 3]).is_none(), "a point");
         assert!(
-            test.intersect(DVec3::ZERO, DVec3::ZERO, DVec3::ZERO).is_none(),
-            "a point"
-        );
-        assert!(
-            test.intersect(-DVec3::X, DVec3::ZERO, DVec3::X).is_none(),
+            test.intersect([&-DVec3::X, &DVec3::ZERO, &DVec3::X]).is_none(),
             "a line"
         );
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             let [a, b, c] = [-DVec3::X - DVec3::Y, DVec3::X, DVec3::Y];
-            assert!(test.intersect(a, b, c).is_some());
+            assert!(test.intersect([&a, &b, &c]).is_some());
             for i in 0..3 {
                 let spoil = |mut v: DVec3| {
                     v[i] = bad;
                     v
                 };
-                assert!(test.intersect(spoil(a), b, c).is_none(), "{bad} in a corner");
+                assert!(test.intersect([&spoil(a), &b, &c]).is_none(), "{bad} in a corner");
                 let ray = Ray::new(spoil(ray.origin), ray.dir);
                 assert!(
-                    TriangleRay::new(&ray).intersect(a, b, c).is_none(),
+                    TriangleRay::new(&ray).intersect([&a, &b, &c]).is_none(),
                     "{bad} in the origin"
                 );
                 let ray = Ray::new(DVec3::Z, spoil(DVec3::NEG_Z));
                 assert!(
-                    TriangleRay::new(&ray).intersect(a, b, c).is_none(),
+                    TriangleRay::new(&ray).intersect([&a, &b, &c]).is_none(),
                     "{bad} in the direction"
                 );
             }
             let still = Ray::new(DVec3::ZERO, DVec3::ZERO);
-            assert!(TriangleRay::new(&still).intersect(a, b, c).is_none());
+            assert!(TriangleRay::new(&still).intersect([&a, &b, &c]).is_none());
         }
     }
 }

@@ -23,6 +23,8 @@ pub struct Bvh {
     pub(super) nodes: Vec<Node>,
     /// Indices of the primitives that are in no block, in the order of the leaves.
     others: Vec<u32>,
+    /// Largest coordinate of any box.
+    extent: f32,
 }
 
 /// What the builder knows of a primitive.
@@ -184,7 +186,19 @@ impl Bvh {
         }
         let tree = binary::Tree::build(&mut items, kinds);
         let (nodes, others) = collapse::collapse(&tree, &items, kinds, block);
-        Self { nodes, others }
+        let extent = nodes.first().map_or(0.0, Node::extent);
+        Self {
+            nodes,
+            others,
+            extent,
+        }
+    }
+
+    /// Largest size of a coordinate of any box.
+    #[inline]
+    #[must_use]
+    pub fn extent(&self) -> f32 {
+        self.extent
     }
 
     /// Bytes of memory the tree takes, blocks not counted.

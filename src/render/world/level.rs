@@ -131,9 +131,17 @@ impl Level {
         (Primitive::Instance(index as u32), number - first)
     }
 
+    /// The corners of a triangle, where they lie in memory.
+    #[inline(always)]
+    pub(super) fn corners_of(&self, triangle: u32) -> [&DVec3; 3] {
+        let [a, b, c] = self.triangles[triangle as usize];
+        let at = |i: u32| &self.vertices[i as usize];
+        [at(a), at(b), at(c)]
+    }
+
     #[inline]
     pub(super) fn corners(&self, triangle: u32) -> [DVec3; 3] {
-        self.triangles[triangle as usize].map(|i| self.vertices[i as usize])
+        self.corners_of(triangle).map(|corner| *corner)
     }
 
     /// Whether a primitive may let light through. An instance answers for itself.

@@ -5,7 +5,10 @@ use super::{
     level::{Level, Primitive},
 };
 use crate::{
-    accel::{BLOCK, Child, Control, LeafKind, NONE, RayBlock, RayBox, round_down, round_up},
+    accel::{
+        BLOCK, Child, Control, Lanes, LeafKind, NONE, Range, Ray32, RayBlock, RayBox, RaySphere, Spheres,
+        Triangles, Visitor,
+    },
     math::{DVec3, Ray, max_abs},
     shape::{Crossing, Crossings, Sphere, triangle::TriangleRay},
 };
@@ -155,15 +158,7 @@ impl World<'_> {
                         query,
                     );
                 } else {
-                    LevelSearch {
-                        world,
-                        level,
-                        base,
-                        ray,
-                        query,
-                        triangle_ray: None,
-                    }
-                    .other::<false>(index);
+                    LevelSearch::<false>::new(world, level, base, ray, query).other(index);
                 }
             }
         }
@@ -175,43 +170,35 @@ impl World<'_> {
     /// Searches a level whose first primitive has the number `base`; `ray` is the probe's in the level's space.
     /// With `ANY` the first opaque thing met ends the search.
     fn search<const ANY: bool>(&self, level: &Level, base: u64, ray: &Ray, query: &mut Query<'_>) -> Control {
-        let mut search = LevelSearch {
-            world: self,
-            level,
-            base,
-            ray,
-            query,
-            triangle_ray: None,
-        };
+        let mut search = LevelSearch::<ANY>::new(self, level, base, ray, query);
         for &index in &level.unbounded {
-            if search.other::<ANY>(index) == Control::Stop {
+            if search.other(index) == Control::Stop {
                 return Control::Stop;
             }
         }
-        let ray_block = RayBlock::new(ray, level.extent);
-        let t_max = search.query.best.t;
-        let (t_least, t_most) = (round_up(search.query.probe.t_min), round_down(t_max));
-        let mut control = Control::Continue;
+        let ray_box = RayBox::new(&search.ray32, level.bvh.extent());
         level
             .bvh
-            .traverse::<ANY>(&RayBox::new(ray), t_max, |leaf, bound| {
-                control = match leaf.kind() {
-                    LeafKind::Triangles => {
-                        search.triangles::<ANY>(leaf, &ray_block, [t_least, t_most, *bound])
-                    }
-                    LeafKind::Spheres => search.spheres::<ANY>(leaf, &ray_block, *bound),
-                    LeafKind::Others => search.others::<ANY>(leaf),
-                };
-                *bound = round_up(search.query.best.t);
-                control
-            });
-        control
+            .traverse::<ANY>(&ray_box, search.range.possible, search.range.bound, &mut search);
+        search.finish()
     }
+}
+
+/// In f32, not below `t` where it is not negative.
+#[inline(always)]
+fn above(t: f64) -> f32 {
+    t as f32 * (1.0 + 2.0 * f32::EPSILON)
+}
+
+/// In f32, not above `t` where it is not negative and f32 has numbers as large.
+#[inline(always)]
+fn below(t: f64) -> f32 {
+    t as f32 * (1.0 - 2.0 * f32::EPSILON)
 }
 
 /// The lanes whose bits are set.
 #[inline(always)]
-fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
+fn lanes_of(mut mask: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         (mask != 0).then(|| {
             let lane = mask.trailing_zeros() as usize & (BLOCK - 1);
@@ -221,57 +208,186 @@ fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
     })
 }
 
+/// Most triangles that wait for their exact test.
+const WAITING: usize = 8;
+
 /// A search of one level.
-struct LevelSearch<'a, 's, 'p> {
+struct LevelSearch<'a, 's, 'p, const ANY: bool> {
     world: &'a World<'s>,
     level: &'a Level,
     base: u64,
     ray: &'a Ray,
     query: &'a mut Query<'p>,
-    /// Made when the first triangle needs it.
-    triangle_ray: Option<TriangleRay>,
+    ray32: Ray32,
+    ray_block: RayBlock,
+    ray_sphere: Option<RaySphere>,
+    range: Range,
+    /// Index of the primitive that the ray starts on, where it is one of this level.
+    start: u32,
+    /// Triangles that may be the nearest hit, and how far away they are at least. In f32 it is nearly always known
+    /// which of two hits is nearer, so that most are never looked at in f64.
+    waiting: [(u32, f32); WAITING],
+    waiting_count: usize,
+    control: Control,
 }
 
-impl LevelSearch<'_, '_, '_> {
+impl<const ANY: bool> Visitor for LevelSearch<'_, '_, '_, ANY> {
     #[inline(always)]
-    fn triangles<const ANY: bool>(
-        &mut self,
-        leaf: Child,
-        ray: &RayBlock,
-        [t_least, t_most, bound]: [f32; 3],
-    ) -> Control {
-        for block in &self.level.triangle_blocks[leaf.range()] {
-            let found = block.candidates(ray, t_least, t_most, bound);
-            if found.possible == 0 {
+    fn leaf<L: Lanes>(&mut self, lanes: L, leaf: Child, bound: &mut f32) -> Control {
+        self.control = match leaf.kind() {
+            LeafKind::Triangles => return self.triangles(lanes, leaf, bound),
+            LeafKind::Spheres => self.spheres(lanes, leaf, *bound),
+            LeafKind::Others => self.others(leaf),
+        };
+        *bound = bound.min(above(self.query.best.t));
+        self.control
+    }
+
+    #[inline(always)]
+    fn blocks(&self) -> (*const u8, usize) {
+        if self.level.triangle_blocks.is_empty() {
+            (self.level.sphere_blocks.as_ptr().cast(), size_of::<Spheres>())
+        } else {
+            (self.level.triangle_blocks.as_ptr().cast(), size_of::<Triangles>())
+        }
+    }
+}
+
+impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
+    #[inline(always)]
+    fn new(
+        world: &'a World<'s>,
+        level: &'a Level,
+        base: u64,
+        ray: &'a Ray,
+        query: &'a mut Query<'p>,
+    ) -> Self {
+        let probe = query.probe;
+        let ray32 = Ray32::new(ray);
+        let ray_block = RayBlock::new(&ray32, level.extent as f32);
+        let range = Range {
+            // Twice as far as the exact bound, for the rounding of tests in f32 where t is negative.
+            possible: (2.0 * probe.t_min.min(0.0)) as f32,
+            bound: above(query.best.t),
+            certain: [above(probe.t_min), below(query.best.t)],
+        };
+        let start = u32::try_from(probe.start.wrapping_sub(base)).unwrap_or(NONE);
+        Self {
+            world,
+            level,
+            base,
+            ray,
+            ray32,
+            ray_sphere: (!level.sphere_blocks.is_empty()).then(|| RaySphere::new(&ray_block)),
+            ray_block,
+            range,
+            start,
+            query,
+            waiting: [(NONE, 0.0); WAITING],
+            waiting_count: 0,
+            control: Control::Continue,
+        }
+    }
+
+    #[inline(always)]
+    fn triangles<L: Lanes>(&mut self, lanes: L, leaf: Child, bound: &mut f32) -> Control {
+        let Some(block) = self.level.triangle_blocks.get(leaf.first()) else {
+            return Control::Continue;
+        };
+        let mut range = self.range;
+        if !ANY {
+            (range.bound, range.certain[1]) = (*bound, *bound);
+        }
+        let found = block.candidates(lanes, &self.ray_block, range);
+        if found.possible == 0 {
+            return Control::Continue;
+        }
+        if ANY {
+            self.control = self.any_of(&block.ids, found.possible, found.certain);
+            return self.control;
+        }
+        let [t_least, t_most] = found.t;
+        for lane in lanes_of(found.possible) {
+            let index = block.ids[lane];
+            if index == self.start || index == NONE {
                 continue;
             }
-            if ANY && found.certain != 0 && self.any_blocks(&block.ids, found.certain) {
+            let mut least = f32::NEG_INFINITY;
+            if found.certain >> lane & 1 == 1 {
+                *bound = bound.min(t_most[lane]);
+                least = t_least[lane];
+            }
+            if self.waiting_count == WAITING {
+                self.decide();
+                *bound = bound.min(above(self.query.best.t));
+            }
+            self.waiting[self.waiting_count % WAITING] = (index, least);
+            self.waiting_count += 1;
+        }
+        Control::Continue
+    }
+
+    /// Whether any of a block's triangles ends the search.
+    #[inline]
+    fn any_of(&mut self, ids: &[u32; BLOCK], possible: u32, certain: u32) -> Control {
+        for lane in lanes_of(certain) {
+            if ids[lane] != self.start && !self.level.may_be_transparent(ids[lane]) {
                 return Control::Stop;
             }
-            for lane in lanes(found.possible) {
-                if self.triangle::<ANY>(block.ids[lane]) == Control::Stop {
-                    return Control::Stop;
-                }
+        }
+        let ray = TriangleRay::new(self.ray);
+        for lane in lanes_of(possible) {
+            if self.triangle(&ray, ids[lane]) == Control::Stop {
+                return Control::Stop;
             }
         }
         Control::Continue
+    }
+
+    /// Decides which of the waiting triangles is hit first, the last found first: it is the nearest, but for
+    /// rounding.
+    #[inline(always)]
+    fn decide(&mut self) {
+        if self.waiting_count == 0 {
+            return;
+        }
+        let ray = TriangleRay::new(self.ray);
+        while self.waiting_count > 0 {
+            self.waiting_count -= 1;
+            let (index, least) = self.waiting[self.waiting_count % WAITING];
+            if f64::from(least) <= self.query.best.t {
+                self.triangle(&ray, index);
+            }
+        }
     }
 
     #[inline(always)]
-    fn spheres<const ANY: bool>(&mut self, leaf: Child, ray: &RayBlock, bound: f32) -> Control {
-        for block in &self.level.sphere_blocks[leaf.range()] {
-            for lane in lanes(block.possible(ray, bound)) {
-                if self.sphere::<ANY>(block.ids[lane]) == Control::Stop {
-                    return Control::Stop;
-                }
+    fn finish(&mut self) -> Control {
+        if !ANY {
+            self.decide();
+        }
+        self.control
+    }
+
+    #[inline(always)]
+    fn spheres<L: Lanes>(&mut self, lanes: L, leaf: Child, bound: f32) -> Control {
+        let (Some(block), Some(ray)) = (self.level.sphere_blocks.get(leaf.first()), &self.ray_sphere) else {
+            return Control::Continue;
+        };
+        let range = Range { bound, ..self.range };
+        for lane in lanes_of(block.possible(lanes, &self.ray_block, ray, range)) {
+            if self.sphere(block.ids[lane]) == Control::Stop {
+                return Control::Stop;
             }
         }
         Control::Continue
     }
 
-    fn others<const ANY: bool>(&mut self, leaf: Child) -> Control {
+    fn others(&mut self, leaf: Child) -> Control {
+        // What they ask of the query is its best hit.
+        self.decide();
         for &index in self.level.bvh.others(leaf) {
-            if self.other::<ANY>(index) == Control::Stop {
+            if self.other(index) == Control::Stop {
                 return Control::Stop;
             }
         }
@@ -281,7 +397,7 @@ impl LevelSearch<'_, '_, '_> {
     /// Takes a hit on the level's primitive `index` if it is the best so far; with `ANY` it ends the search
     /// unless it may let light through.
     #[inline]
-    fn offer<const ANY: bool>(&mut self, index: u32, hit: Hit) -> Control {
+    fn offer(&mut self, index: u32, hit: Hit) -> Control {
         let best = &mut self.query.best;
         if !(hit.t < best.t || (hit.t == best.t && hit.number < best.number)) {
             return Control::Continue;
@@ -297,26 +413,14 @@ impl LevelSearch<'_, '_, '_> {
         Control::Stop
     }
 
-    /// Whether any of the lanes' triangles, all of them certainly hit, is opaque and not where the ray starts.
-    #[inline]
-    fn any_blocks(&mut self, ids: &[u32; BLOCK], mask: u32) -> bool {
-        lanes(mask).any(|lane| {
-            let is_start = self.base + u64::from(ids[lane]) == self.query.probe.start;
-            !is_start && !self.level.may_be_transparent(ids[lane])
-        })
-    }
-
-    #[inline]
-    fn triangle<const ANY: bool>(&mut self, index: u32) -> Control {
+    #[inline(always)]
+    fn triangle(&mut self, ray: &TriangleRay, index: u32) -> Control {
         let number = self.base + u64::from(index);
-        if number == self.query.probe.start || index == NONE {
+        if index == self.start || index == NONE {
             return Control::Continue;
         }
-        let ray = self.ray;
-        let triangle_ray = self.triangle_ray.get_or_insert_with(|| TriangleRay::new(ray));
-        let [a, b, c] = self.level.corners(index);
-        match triangle_ray.intersect(a, b, c) {
-            Some(hit) if hit.t > self.query.probe.t_min => self.offer::<ANY>(
+        match ray.intersect(self.level.corners_of(index)) {
+            Some(hit) if hit.t > self.query.probe.t_min => self.offer(
                 index,
                 Hit {
                     t: hit.t,
@@ -331,7 +435,7 @@ impl LevelSearch<'_, '_, '_> {
     }
 
     #[inline]
-    fn sphere<const ANY: bool>(&mut self, i: u32) -> Control {
+    fn sphere(&mut self, i: u32) -> Control {
         let Some(sphere) = self.level.spheres.get(i as usize) else {
             return Control::Continue;
         };
@@ -356,7 +460,7 @@ impl LevelSearch<'_, '_, '_> {
             t1
         };
         if t > probe.t_min {
-            self.offer::<ANY>(
+            self.offer(
                 index,
                 Hit {
                     t,
@@ -372,9 +476,9 @@ impl LevelSearch<'_, '_, '_> {
     }
 
     /// A primitive of any kind.
-    fn other<const ANY: bool>(&mut self, index: u32) -> Control {
+    fn other(&mut self, index: u32) -> Control {
         match self.level.primitive(index) {
-            Primitive::Shape(i) => self.shape::<ANY>(index, i),
+            Primitive::Shape(i) => self.shape(index, i),
             Primitive::Instance(i) => {
                 let instance = &self.level.instances[i as usize];
                 let inner = &self.world.levels[instance.level as usize];
@@ -382,12 +486,12 @@ impl LevelSearch<'_, '_, '_> {
                 self.world
                     .search::<ANY>(inner, self.base + instance.first_number, &ray, self.query)
             }
-            Primitive::Triangle(i) => self.triangle::<ANY>(i),
-            Primitive::Sphere(i) => self.sphere::<ANY>(i),
+            Primitive::Triangle(i) => self.triangle(&TriangleRay::new(self.ray), i),
+            Primitive::Sphere(i) => self.sphere(i),
         }
     }
 
-    fn shape<const ANY: bool>(&mut self, index: u32, i: u32) -> Control {
+    fn shape(&mut self, index: u32, i: u32) -> Control {
         let placed = &self.level.shapes[i as usize];
         let number = self.base + u64::from(index);
         let probe = self.query.probe;
@@ -401,7 +505,7 @@ impl LevelSearch<'_, '_, '_> {
             t_min = probe.t_min_self;
         }
         match crossings.first_within(t_min, f64::INFINITY) {
-            Some(Crossing { t, part }) => self.offer::<ANY>(
+            Some(Crossing { t, part }) => self.offer(
                 index,
                 Hit {
                     t,

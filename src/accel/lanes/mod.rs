@@ -1,0 +1,184 @@
+//! Eight f32 at once, on whatever the processor offers. What is computed with them is conservative, so which of
+//! these runs never shows in a picture.
+
+#![allow(unsafe_code)]
+
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+use super::four::F4;
+#[cfg(target_arch = "x86_64")]
+pub(super) use x86::{Avx2, Avx512, Sse2};
+
+/// Sets of instructions for the conservative tests, the plainest first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Simd {
+    /// Plain arithmetic, for every processor.
+    Portable,
+    /// Two registers of four lanes (every x86-64).
+    #[cfg(target_arch = "x86_64")]
+    Sse2,
+    /// One register of eight lanes and fused multiply-add (x86-64 with AVX2).
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    /// The same with twice the registers and with masks (x86-64 with AVX-512VL).
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+impl Simd {
+    /// The best that this processor has. The environment variable `RTSCRIPT_SIMD` names a lesser one, for tests
+    /// that compare: `portable`, `sse2` or `avx2`.
+    #[inline]
+    #[must_use]
+    pub fn detect() -> Self {
+        static FOUND: std::sync::OnceLock<Simd> = std::sync::OnceLock::new();
+        *FOUND.get_or_init(|| {
+            let wish = std::env::var_os("RTSCRIPT_SIMD");
+            match wish.as_ref().and_then(|name| name.to_str()) {
+                Some("portable") => Self::Portable,
+                #[cfg(target_arch = "x86_64")]
+                Some("sse2") => Self::Sse2,
+                #[cfg(target_arch = "x86_64")]
+                Some("avx2") => Self::best().min(Self::Avx2),
+                _ => Self::best(),
+            }
+        })
+    }
+
+    /// All that this processor has.
+    #[cfg(test)]
+    pub(super) fn all() -> Vec<Self> {
+        let all = [
+            Self::Portable,
+            #[cfg(target_arch = "x86_64")]
+            Self::Sse2,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512,
+        ];
+        all.into_iter().filter(|simd| *simd <= Self::best()).collect()
+    }
+
+    #[cfg(not(target_arch = "x86_64"))]
+    fn best() -> Self {
+        Self::Portable
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    fn best() -> Self {
+        let avx2 = is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("fma")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("bmi2")
+            && is_x86_feature_detected!("lzcnt");
+        let avx512 = is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512vl")
+            && is_x86_feature_detected!("avx512dq")
+            && is_x86_feature_detected!("avx512bw");
+        match (avx2, avx512) {
+            (true, true) => Self::Avx512,
+            (true, false) => Self::Avx2,
+            _ => Self::Sse2,
+        }
+    }
+}
+
+/// Eight lanes of f32, and what four lanes of [`F4`] can do besides their own.
+///
+/// A value of an implementing type is the proof that the processor has its instructions: only
+/// [`Bvh::traverse`](super::Bvh::traverse) makes one.
+pub trait Lanes: Copy {
+    /// Eight lanes.
+    type F8: Copy;
+    /// Eight numbers from memory.
+    fn load(self, from: &[f32; 8]) -> Self::F8;
+    /// One number in all lanes.
+    fn splat(self, x: f32) -> Self::F8;
+    /// `a * b + c`, rounded once or twice.
+    fn mul_add(self, a: Self::F8, b: Self::F8, c: Self::F8) -> Self::F8;
+    /// The smaller of each lane; the second where either is NaN.
+    fn min(self, a: Self::F8, b: Self::F8) -> Self::F8;
+    /// The larger of each lane; the second where either is NaN.
+    fn max(self, a: Self::F8, b: Self::F8) -> Self::F8;
+    /// One bit for each lane where `a <= b`; clear where either is NaN.
+    fn at_most(self, a: Self::F8, b: Self::F8) -> u32;
+    /// The lanes as an array.
+    fn store(self, a: Self::F8) -> [f32; 8];
+    /// `a * b + c`, rounded once or twice.
+    fn mul_add4(self, a: F4, b: F4, c: F4) -> F4;
+    /// `a * b - c`, rounded once or twice.
+    fn mul_sub4(self, a: F4, b: F4, c: F4) -> F4;
+}
+
+/// Plain arithmetic.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Portable;
+
+#[inline(always)]
+fn zip(a: [f32; 8], b: [f32; 8], f: impl Fn(f32, f32) -> f32) -> [f32; 8] {
+    std::array::from_fn(|i| f(a[i], b[i]))
+}
+
+impl Lanes for Portable {
+    type F8 = [f32; 8];
+
+    #[inline(always)]
+    fn load(self, from: &[f32; 8]) -> Self::F8 {
+        *from
+    }
+
+    #[inline(always)]
+    fn splat(self, x: f32) -> Self::F8 {
+        [x; 8]
+    }
+
+    #[inline(always)]
+    fn mul_add(self, a: Self::F8, b: Self::F8, c: Self::F8) -> Self::F8 {
+        zip(zip(a, b, |a, b| a * b), c, |ab, c| ab + c)
+    }
+
+    #[inline(always)]
+    fn min(self, a: Self::F8, b: Self::F8) -> Self::F8 {
+        zip(a, b, |a, b| if a < b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn max(self, a: Self::F8, b: Self::F8) -> Self::F8 {
+        zip(a, b, |a, b| if a > b { a } else { b })
+    }
+
+    #[inline(always)]
+    fn at_most(self, a: Self::F8, b: Self::F8) -> u32 {
+        (0..8).fold(0, |mask, i| mask | u32::from(a[i] <= b[i]) << i)
+    }
+
+    #[inline(always)]
+    fn store(self, a: Self::F8) -> [f32; 8] {
+        a
+    }
+
+    #[inline(always)]
+    fn mul_add4(self, a: F4, b: F4, c: F4) -> F4 {
+        a.mul(b).add(c)
+    }
+
+    #[inline(always)]
+    fn mul_sub4(self, a: F4, b: F4, c: F4) -> F4 {
+        a.mul(b).sub(c)
+    }
+}
+
+/// Asks for the cache line at `at` before it is needed; hides memory latency in large scenes.
+#[inline(always)]
+pub fn prefetch<T>(at: *const T) {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: a hint; it never faults, whatever the address.
+    unsafe {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        _mm_prefetch::<_MM_HINT_T0>(at.cast());
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = at;
+}

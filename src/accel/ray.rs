@@ -1,0 +1,241 @@
+//! Rays in f32, prepared for the conservative tests of boxes and of blocks.
+
+use super::four::F4;
+use crate::math::{DVec3, Ray};
+
+/// A power of two.
+const fn power(exponent: i32) -> f32 {
+    f32::from_bits(((127 + exponent) as u32) << 23)
+}
+
+/// A ray rounded to f32.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray32 {
+    origin: F4,
+    dir: F4,
+    /// Sizes of the coordinates.
+    far: F4,
+    long: F4,
+    range: Numbers,
+}
+
+/// What a ray's numbers allow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Numbers {
+    /// No product of them leaves the range of f32.
+    Usual,
+    /// Some may.
+    Extreme,
+    /// No direction, or a number that is not finite: the ray meets nothing.
+    Aimless,
+}
+
+/// Usual coordinates are below this, and usual directions between it and its inverse.
+const LARGE: f32 = power(60);
+
+impl Ray32 {
+    /// Rounds a ray.
+    #[inline(always)]
+    #[must_use]
+    pub fn new(ray: &Ray) -> Self {
+        let (origin, dir) = (F4::rounded(ray.origin), F4::rounded(ray.dir));
+        let (far, long) = (origin.abs(), dir.abs());
+        let small = long.below(F4::splat(LARGE)).and(far.below(F4::splat(LARGE)));
+        let range = if small.bits() == 15 && F4::splat(1.0 / LARGE).below(long).bits() != 0 {
+            Numbers::Usual
+        } else {
+            Numbers::unusual(ray)
+        };
+        Self {
+            origin,
+            dir,
+            far,
+            long,
+            range,
+        }
+    }
+}
+
+impl Numbers {
+    #[cold]
+    fn unusual(ray: &Ray) -> Self {
+        if ray.origin.is_finite() && ray.dir.is_finite() && ray.dir != DVec3::ZERO {
+            Self::Extreme
+        } else {
+            Self::Aimless
+        }
+    }
+}
+
+/// The largest of the first three lanes.
+#[inline(always)]
+fn largest(v: F4) -> f32 {
+    let [x, y, z, _] = v.to_array();
+    larger(larger(x, y), z)
+}
+
+/// The second where either is NaN, as the processor has it.
+#[inline(always)]
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// A ray prepared for box tests.
+///
+/// With r = 1/d, the distance to a plane p is p r - o r: one fused operation where there is one. For the entry
+/// into a box it must not come out too large, for the exit not too small. The error of o r, the rounding of o
+/// itself and that of p r where it is rounded are 3 units of 2^-24 |o r|: of o r two values are kept, 6 such units
+/// to either side of it. The other errors, those of r, of p r beyond o r, and of the result, are 4 units relative
+/// to the distance: the exit's r is stretched by 16. Distances that are negative may then be off in the other
+/// direction, but stay negative, which is all that is asked of them.
+#[derive(Clone, Copy, Debug)]
+pub struct RayBox {
+    /// Plane arrays to take for entry and exit, by axis.
+    pub(super) near: [usize; 3],
+    pub(super) far: [usize; 3],
+    /// r, and r stretched.
+    pub(super) inverse_near: [f32; 4],
+    pub(super) inverse_far: [f32; 4],
+    /// -o r, made less and made more.
+    pub(super) offset_near: [f32; 4],
+    pub(super) offset_far: [f32; 4],
+}
+
+impl RayBox {
+    /// Prepares a ray for boxes whose coordinates are at most `extent` in size.
+    #[inline(always)]
+    #[must_use]
+    pub fn new(ray: &Ray32, extent: f32) -> Self {
+        if ray.range != Numbers::Usual || extent >= LARGE {
+            return Self::unusual(ray.range);
+        }
+        let sign = ray.dir.sign();
+        let mut inverse = F4::splat(1.0).div(ray.long);
+        if F4::splat(power(-66)).below(ray.long).bits() & 7 != 7 {
+            inverse = bounded(inverse, ray.far, extent);
+        }
+        let inverse = inverse.flip(sign);
+        let stretched = inverse.mul(F4::splat(1.0 + 8.0 * f32::EPSILON));
+        let away = F4::splat(0.0).sub(ray.origin);
+        let margin = ray
+            .far
+            .mul(F4::splat(3.0 * f32::EPSILON))
+            .add(F4::splat(f32::MIN_POSITIVE))
+            .mul(stretched.abs());
+        let signs = sign.bits() as usize;
+        let (mut near, mut far) = ([0, 1, 2], [3, 4, 5]);
+        for k in 0..3 {
+            let turned = 3 * (signs >> k & 1);
+            near[k] += turned;
+            far[k] -= turned;
+        }
+        Self {
+            near,
+            far,
+            inverse_near: inverse.to_array(),
+            inverse_far: stretched.to_array(),
+            offset_near: away.mul(inverse).sub(margin).to_array(),
+            offset_far: away.mul(stretched).add(margin).to_array(),
+        }
+    }
+
+    /// Lets a ray whose numbers leave the range of f32 into all boxes, and one that aims nowhere into none.
+    #[cold]
+    fn unusual(range: Numbers) -> Self {
+        let far = match range {
+            Numbers::Aimless => -f32::MAX,
+            _ => f32::MAX,
+        };
+        Self {
+            near: [0, 1, 2],
+            far: [3, 4, 5],
+            inverse_near: [f32::MIN_POSITIVE; 4],
+            inverse_far: [f32::MIN_POSITIVE; 4],
+            offset_near: [-far; 4],
+            offset_far: [far; 4],
+        }
+    }
+}
+
+/// Inverses along axes that the ray is all but perpendicular to, as large as products with coordinates allow:
+/// 0 times an inverse is 0, and a ray in the plane of a face is inside.
+#[cold]
+#[inline(never)]
+fn bounded(inverse: F4, far: F4, extent: f32) -> F4 {
+    let m = larger(largest(far), extent);
+    inverse.min(F4::splat(power(125) / larger(m, 1.0)))
+}
+
+/// A ray prepared for the tests of a level's blocks; `blocks.rs` derives the errors, and what M, D and L are.
+#[derive(Clone, Copy, Debug)]
+pub struct RayBlock {
+    pub(super) origin: [f32; 4],
+    pub(super) dir: [f32; 4],
+    /// Error of edge functions, to be multiplied by L.
+    pub(super) slack_edge: f32,
+    /// Error of the distance's numerator, to be multiplied by L^2.
+    pub(super) slack_t: f32,
+    /// Error of the determinant, to be multiplied by L^2.
+    pub(super) slack_det: f32,
+    /// Added to each of them, for what is lost to underflow: at most 2^-149 of a product, which at most four
+    /// numbers of the size of M or D then multiply, so that this is ample and not itself lost.
+    pub(super) slack_least: f32,
+}
+
+impl RayBlock {
+    /// Prepares a ray for a level whose coordinates are at most `extent` in size.
+    #[inline(always)]
+    #[must_use]
+    pub fn new(ray: &Ray32, extent: f32) -> Self {
+        let [x, y, z, _] = ray.long.to_array();
+        let d = x + y + z;
+        let m = larger(largest(ray.far), extent);
+        // What leaves the range of f32 leaves every question to f64.
+        let m = if larger(m, d) < power(36) {
+            m
+        } else {
+            f32::INFINITY
+        };
+        Self {
+            origin: ray.origin.to_array(),
+            dir: ray.dir.to_array(),
+            slack_edge: 22.0 * power(-24) * m * d,
+            slack_t: 20.0 * power(-24) * m,
+            slack_det: 10.0 * power(-24) * d,
+            slack_least: power(-120) * (m + d + 1.0),
+        }
+    }
+}
+
+/// What the tests of spheres need besides.
+#[derive(Clone, Copy, Debug)]
+pub struct RaySphere {
+    /// 1 / |d|^2.
+    pub(super) inverse_dd: f32,
+    /// 1 / |d|.
+    pub(super) inverse_length: f32,
+    /// Error of the distance between a sphere's center and the ray, in units of 2^-24 M: 7 by the difference f
+    /// of center and start, at most 3.5 M long, 38 by the parameter of the nearest point, 17 by what is
+    /// subtracted from f and by d: 66 are taken.
+    pub(super) slack: f32,
+}
+
+impl RaySphere {
+    /// Prepares a ray that is prepared for blocks.
+    #[inline(always)]
+    #[must_use]
+    pub fn new(ray: &RayBlock) -> Self {
+        let [x, y, z, _] = ray.dir;
+        let inverse_dd = 1.0 / (x * x + y * y + z * z);
+        let slack = if inverse_dd.is_normal() {
+            3.3 * ray.slack_t
+        } else {
+            f32::INFINITY
+        };
+        Self {
+            inverse_dd,
+            inverse_length: inverse_dd.sqrt(),
+            slack,
+        }
+    }
+}
