@@ -7,7 +7,9 @@
 //!
 //! Why no fallback is needed where an edge function is 0: each is a difference of two products, and rounding
 //! is monotone, so its sign is never wrong, only 0 where the exact value is nearly 0. As 0 counts as inside,
-//! that can only make both neighbours claim the ray, never neither.
+//! that can only make both neighbours claim the ray, never neither. Where it is 0, the ray must also pass
+//! within the ranges of the corners' x and y: a triangle seen from its edge would otherwise claim rays all along
+//! the line of that edge, far outside any box around it.
 //!
 //! What holds at which scale: with coordinates relative to the ray's origin up to 1e150 nothing overflows.
 //! Products below 1e-308 vanish, which again only makes more of them 0: an edge claims too much, and a
@@ -107,6 +109,12 @@ impl TriangleRay {
         let det = wa + wb + wc;
         if !(front | back) | (det == 0.0) {
             return None;
+        }
+        if (wa == 0.0) | (wb == 0.0) | (wc == 0.0) {
+            let spans = |a: f64, b: f64, c: f64| a.min(b).min(c) <= 0.0 && a.max(b).max(c) >= 0.0;
+            if !(spans(ax, bx, cx) && spans(ay, by, cy)) {
+                return None;
+            }
         }
         // Weights first, t from them: their product with z would leave the range of f64 long before they do.
         let per_det = 1.0 / det;
@@ -422,5 +430,19 @@ mod tests {
             let still = Ray::new(DVec3::ZERO, DVec3::ZERO);
             assert!(TriangleRay::new(&still).intersect([&a, &b, &c]).is_none());
         }
+    }
+
+    #[test]
+    fn a_triangle_seen_from_its_edge_ends_at_its_corners() {
+        let thin = 0.0008151194408677121;
+        let points = [
+            DVec3::new(0.0, 0.5, 0.0),
+            DVec3::new(0.0, -1.5, -2.0),
+            DVec3::new(thin, -0.5 + thin, -1.0 + thin),
+        ];
+        let scale = 1e-12;
+        let [a, b, c] = points.map(|p| p * scale);
+        let ray = Ray::new(DVec3::new(-0.5, 2.0, 1.5) * scale, DVec3::X);
+        assert_eq!(TriangleRay::new(&ray).intersect(a, b, c), None);
     }
 }
