@@ -1,5 +1,7 @@
 //! The tree against all primitives one by one, on random scenes.
 
+mod extremes;
+
 use proptest::prelude::*;
 
 use super::{
@@ -7,7 +9,7 @@ use super::{
     trace::{Blocker, Probe},
 };
 use crate::{
-    Builder, DVec3, Scene,
+    Builder, DVec3, Scene, Term,
     math::{Ray, max_abs},
     scene::Mesh,
     shape::{Cone, Cuboid, Cylinder, Disk, Plane, Polygon, Shape, Torus},
