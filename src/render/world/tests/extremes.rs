@@ -257,10 +257,11 @@ proptest! {
 #[test]
 fn other_instructions_pass_the_same_tests() {
     const CHOICE: &str = "RTSCRIPT_SIMD";
+    const OTHERS: &[&str] = &["portable"];
     if std::env::var_os(CHOICE).is_some() {
         return;
     }
-    for choice in ["portable"] {
+    for choice in OTHERS {
         let run = Command::new(std::env::current_exe().unwrap())
             .env(CHOICE, choice)
             .args(["render::world::tests::", "--skip", "other_instructions"])
