@@ -36,6 +36,15 @@ impl SceneError {
         }
     }
 
+    /// Says which of several things it is about: "sphere 3: ..." for an error of the third sphere of a list.
+    #[must_use]
+    pub(crate) fn of(self, which: fmt::Arguments<'_>) -> Self {
+        Self {
+            message: format!("{which}: {}", self.message),
+            ..self
+        }
+    }
+
     /// Adds what to do about it.
     #[must_use]
     pub fn hint(mut self, hint: impl Into<String>) -> Self {

@@ -143,20 +143,31 @@ impl<'c, 'd> Call<'c, 'd> {
 
     #[inline]
     fn triple(&mut self, name: &str, wanted: &str) -> Outcome<DVec3> {
+        if let Some([x, y, z, ..]) = self.args.get(self.next..)
+            && let (Some(x), Some(y), Some(z)) = (number_of(x), number_of(y), number_of(z))
+        {
+            self.next += 3;
+            return self.finite(name, DVec3::new(x, y, z));
+        }
+        self.triple_or_vector(name, wanted)
+    }
+
+    #[inline(never)]
+    fn triple_or_vector(&mut self, name: &str, wanted: &str) -> Outcome<DVec3> {
         let first = self.any()?;
-        let Some(x) = number_of(first) else {
+        if number_of(first).is_none() {
             return self.vector_of(name, wanted, first);
-        };
+        }
         let [y, z] = match self.args.get(self.next..self.next + 2) {
             Some([y, z]) => [&**y, &**z],
             _ => return Err(self.lone_number(name, wanted)),
         };
-        self.next += 2;
-        let component = |d: &Dynamic, axis: &str| {
-            number_of(d).ok_or_else(|| self.wrong_kind(&format!("{name}.{axis}"), "a number", d))
+        let wrong = if number_of(y).is_none() {
+            (y, "y")
+        } else {
+            (z, "z")
         };
-        let v = DVec3::new(x, component(y, "y")?, component(z, "z")?);
-        self.finite(name, v)
+        Err(self.wrong_kind(&format!("{name}.{}", wrong.1), "a number", wrong.0))
     }
 
     fn vector_of(&self, name: &str, wanted: &str, d: &Dynamic) -> Outcome<DVec3> {
@@ -184,13 +195,18 @@ impl<'c, 'd> Call<'c, 'd> {
         if v.is_finite() {
             return Ok(v);
         }
+        Err(self.component_not_finite(name, v))
+    }
+
+    #[cold]
+    fn component_not_finite(&self, name: &str, v: DVec3) -> Box<ScriptError> {
         let bad = v
             .to_array()
             .into_iter()
             .zip(["x", "y", "z"])
             .find(|(x, _)| !x.is_finite());
         let (x, axis) = bad.unwrap_or((f64::NAN, "x"));
-        Err(self.not_finite(&format!("{name}.{axis}"), x))
+        self.not_finite(&format!("{name}.{axis}"), x)
     }
 
     fn color_code(&self, name: &str, d: &Dynamic) -> Outcome<Color> {
@@ -233,10 +249,17 @@ impl<'c, 'd> Call<'c, 'd> {
     /// A finite number from a single value, as in an options map.
     pub(crate) fn number_from(&self, name: &str, d: &Dynamic) -> Outcome<f64> {
         match number_of(d) {
-            Some(x) if x.is_finite() => Ok(x),
-            Some(x) => Err(self.not_finite(name, x)),
+            Some(x) => self.finite_number(|| name.to_owned(), x),
             None => Err(self.wrong_kind(name, "a number", d)),
         }
+    }
+
+    /// `x`, where it is finite.
+    pub(crate) fn finite_number(&self, name: impl FnOnce() -> String, x: f64) -> Outcome<f64> {
+        if x.is_finite() {
+            return Ok(x);
+        }
+        Err(self.not_finite(&name(), x))
     }
 
     /// A vector from a single value, as in an array of points.
@@ -320,11 +343,15 @@ pub(crate) fn arguments(n: usize) -> String {
 }
 
 /// The value of an int or a float.
-#[inline]
+#[inline(always)]
 pub(crate) fn number_of(d: &Dynamic) -> Option<f64> {
-    match d.as_float() {
-        Ok(x) => Some(x),
-        Err(_) => d.as_int().ok().map(|i| i as f64),
+    // Rhai looks up the name of whatever else it is, which only an error wants to know.
+    if d.is_float() {
+        d.as_float().ok()
+    } else if d.is_int() {
+        d.as_int().ok().map(|i| i as f64)
+    } else {
+        None
     }
 }
 

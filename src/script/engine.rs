@@ -12,8 +12,8 @@ use rhai::{
     AST, Dynamic, Engine, EvalAltResult, EvalContext, Expression, FuncRegistration, LexError, Module,
     NativeCallContext, OptimizationLevel, ParseError, Position, RhaiFunc, Scope, Token,
     packages::{
-        ArithmeticPackage, BasicArrayPackage, BasicIteratorPackage, BasicMapPackage, BasicStringPackage,
-        BitFieldPackage, LogicPackage, MoreStringPackage, Package,
+        ArithmeticPackage, BasicArrayPackage, BasicIteratorPackage, BasicMapPackage,
+        BasicStringPackage, BitFieldPackage, LogicPackage, MoreStringPackage, Package,
     },
 };
 
@@ -22,7 +22,7 @@ use super::{
     call::{Call, wrong_count},
     modules::Resolver,
     power,
-    session::{Clock, Session},
+    session::{self, Clock, with_state},
     table::{Entry, Run, entries},
     value::{Outcome, ScriptError},
     vocabulary::CONSTANTS,
@@ -160,14 +160,11 @@ fn invoke(entry: &'static Entry, ctx: &NativeCallContext<'_>, args: &mut [&mut D
     let mut call = Call::new(entry, args);
     let result = match entry.run {
         Run::Pure(run) => run(&mut call),
-        Run::Scene(run) => match ctx.tag().and_then(|tag| tag.read_lock::<Session>()) {
-            Some(session) => {
-                let mut state = session.state();
-                state.at(ctx.call_source(), ctx.call_position());
-                run(&mut call, &mut state)
-            }
-            None => Err(internal("a scene function outside a run")),
-        },
+        Run::Scene(run) => with_state(|state| {
+            state.at(ctx.global_runtime_state().source.as_ref(), ctx.call_position());
+            run(&mut call, state)
+        })
+        .unwrap_or_else(|| Err(internal("a scene function outside a run"))),
         Run::Syntax => Err(internal("a block called as a function")),
     };
     result.map_err(|e| e.raise_in(ctx.call_source(), ctx.call_position()))
@@ -192,7 +189,7 @@ pub(super) fn compiler(limits: &Limits) -> Result<Engine, Box<ScriptError>> {
         .set_strict_variables(true)
         .set_fail_on_invalid_map_property(true)
         .set_fast_operators(true)
-        // Counted by `Session::watch`.
+        // Counted by `session::watch`.
         .set_max_operations(0)
         .set_max_call_levels(limits.call_levels)
         .set_max_expr_depths(limits.expression_depth, limits.expression_depth)
@@ -240,18 +237,15 @@ pub(super) fn compile(source: &str, limits: &Limits) -> Result<Result<AST, Parse
     Ok(engine.compile_with_scope(&scope, source))
 }
 
-/// An engine that runs scripts on `session`.
-pub(super) fn runner(session: &Session, limits: &Limits) -> Result<Engine, Box<ScriptError>> {
+/// An engine that runs scripts on the session of the current thread.
+pub(super) fn runner(limits: &Limits) -> Result<Engine, Box<ScriptError>> {
     let mut engine = compiler(limits)?;
-    engine.set_default_tag(Dynamic::from(session.clone()));
-    engine.set_module_resolver(Resolver::new(session.clone()));
-    engine.on_progress(session.watch());
-    let out = session.clone();
-    engine.on_print(move |text| out.print(text));
-    let out = session.clone();
-    engine.on_debug(move |text, source, pos| {
+    engine.set_module_resolver(Resolver);
+    engine.on_progress(session::watch(limits));
+    engine.on_print(session::print);
+    engine.on_debug(|text, source, pos| {
         let (line, column) = (pos.line().unwrap_or(0), pos.position().unwrap_or(0));
-        out.print(&format!("{}:{line}:{column}: {text}", source.unwrap_or("")));
+        session::print(&format!("{}:{line}:{column}: {text}", source.unwrap_or("")));
     });
     Ok(engine)
 }
@@ -269,9 +263,9 @@ fn group(ctx: &mut EvalContext<'_, '_, '_, '_, '_, '_>, inputs: &[Expression<'_>
     let [block] = inputs else {
         return Err(internal("group without a block").raise(Position::NONE));
     };
-    let (session, mark) = begin(ctx, block.position(), |state| state.begin_group())?;
+    let mark = begin(ctx, block.position(), |builder| builder.begin_group())?;
     let result = ctx.eval_expression_tree(block);
-    session.state().builder.end_group(mark);
+    with_state(|state| state.builder.end_group(mark));
     result
 }
 
@@ -289,11 +283,11 @@ fn define(ctx: &mut EvalContext<'_, '_, '_, '_, '_, '_>, inputs: &[Expression<'_
         .hint("for example define \"car\" { box(2, 1, 4); }")
         .raise(pos)
     })?;
-    let (session, mark) = begin(ctx, pos, |state| state.begin_define(&name))?;
+    let mark = begin(ctx, pos, |builder| builder.begin_define(&name))?;
     let result = ctx.eval_expression_tree(block);
     // Left by break, continue or return, what is built so far is the group; left by an error, it is none.
     let keep = result.as_ref().err().is_none_or(|e| e.is_pseudo_error());
-    session.state().builder.end_define(mark, keep);
+    with_state(|state| state.builder.end_define(mark, keep));
     result
 }
 
@@ -301,16 +295,11 @@ fn begin(
     ctx: &EvalContext<'_, '_, '_, '_, '_, '_>,
     pos: Position,
     begin: impl FnOnce(&mut crate::scene::Builder) -> Result<GroupMark, SceneError>,
-) -> Result<(Session, GroupMark), Box<EvalAltResult>> {
-    let Some(session) = ctx.tag().read_lock::<Session>().map(|s| s.clone()) else {
-        return Err(internal("a block outside a run").raise(pos));
-    };
-    let mut state = session.state();
-    state.at(ctx.source(), pos);
-    let mark: Outcome<GroupMark> = begin(&mut state.builder).map_err(Into::into);
-    drop(state);
-    match mark {
-        Ok(mark) => Ok((session, mark)),
-        Err(e) => Err(e.raise_in(ctx.source(), pos)),
-    }
+) -> Result<GroupMark, Box<EvalAltResult>> {
+    let mark: Option<Outcome<GroupMark>> = with_state(|state| {
+        state.at(ctx.global_runtime_state().source.as_ref(), pos);
+        begin(&mut state.builder).map_err(Into::into)
+    });
+    let mark = mark.unwrap_or_else(|| Err(internal("a block outside a run")));
+    mark.map_err(|e| e.raise_in(ctx.source(), pos))
 }

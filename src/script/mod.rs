@@ -173,29 +173,30 @@ impl Script {
             d.hints = e.hints;
             return Err(d.into());
         }
-        let session = Session::new(state);
-        let engine = engine::runner(&session, &self.limits).map_err(|e| internal(self.name(), &e.message))?;
+        let session = Session::begin(state);
+        let engine = engine::runner(&self.limits).map_err(|e| internal(self.name(), &e.message))?;
         let mut scope = Scope::new();
         let result = engine.run_ast_with_scope(&mut scope, &self.ast);
         // Values of the script go before its thread does: only here is the stack deep enough for any of them.
         drop((scope, engine));
-        let ended = session.state().ended.take();
-        let result = match (result, ended) {
+        let Some(mut state) = session.end() else {
+            return Err(internal(self.name(), "a run without a state"));
+        };
+        let result = match (result, state.ended.take()) {
             (Ok(()), Some(e)) => Err(e.raise(Position::NONE)),
             (result, _) => result,
         };
-        self.finish(&session, result)
+        self.finish(*state, result)
     }
 
-    fn finish(
-        &self,
-        session: &Session,
-        result: Result<(), Box<EvalAltResult>>,
-    ) -> Result<Report<Run>, Error> {
-        let mut state = session.state();
-        let sources = std::mem::take(&mut state.sources);
-        let mut builder = std::mem::take(&mut state.builder);
-        let mut warnings = std::mem::take(&mut state.warnings);
+    fn finish(&self, state: State, result: Result<(), Box<EvalAltResult>>) -> Result<Report<Run>, Error> {
+        let State {
+            sources,
+            mut builder,
+            mut warnings,
+            pictures,
+            ..
+        } = state;
         warnings.extend(builder.take_warnings());
         let report = builder.finish();
         let failed = result.err().map(|e| {
@@ -226,7 +227,7 @@ impl Script {
             None => Ok(Report {
                 value: Run {
                     scene: report.value,
-                    pictures: std::mem::take(&mut state.pictures),
+                    pictures,
                 },
                 warnings,
             }),

@@ -2,12 +2,14 @@
 
 use std::sync::Arc;
 
-use rhai::{Engine, EvalAltResult, GlobalRuntimeState, Module, ModuleResolver, Position, Scope};
+use rhai::{
+    Engine, EvalAltResult, GlobalRuntimeState, ImmutableString, Module, ModuleResolver, Position, Scope,
+};
 
 use super::{
     engine,
-    session::{Session, Source},
-    value::ScriptError,
+    session::{Source, State, with_state},
+    value::{Outcome, ScriptError},
     without_mark,
 };
 use crate::{diag::ErrorKind, host::resolve};
@@ -15,19 +17,17 @@ use crate::{diag::ErrorKind, host::resolve};
 /// Modules that may import one another in a row.
 const DEPTH: usize = 8;
 
-/// Resolves imports on a session.
-pub(super) struct Resolver {
-    session: Session,
-}
+/// Resolves imports on the session of the current thread.
+pub(super) struct Resolver;
 
 impl Resolver {
-    pub(super) fn new(session: Session) -> Self {
-        Self { session }
-    }
-
     /// The module's text, once it is known to be allowed.
-    fn load(&self, source: Option<&str>, path: &str, pos: Position) -> Result<Found, Box<ScriptError>> {
-        let mut state = self.session.state();
+    fn load(
+        state: &mut State,
+        source: Option<&ImmutableString>,
+        path: &str,
+        pos: Position,
+    ) -> Result<Found, Box<ScriptError>> {
         state.at(source, pos);
         if path.is_empty() {
             return Err(
@@ -121,7 +121,17 @@ impl ModuleResolver for Resolver {
         path: &str,
         pos: Position,
     ) -> Result<Arc<Module>, Box<EvalAltResult>> {
-        let found = self.load(global.source(), path, pos).map_err(|e| e.raise(pos))?;
+        let found = with_state(|state| {
+            let found = Self::load(state, global.source.as_ref(), path, pos)?;
+            Ok((found, state.limits.clone()))
+        });
+        let found: Outcome<_> = found.unwrap_or_else(|| {
+            Err(ScriptError::of_kind(
+                ErrorKind::Internal,
+                "an import outside a run",
+            ))
+        });
+        let (found, limits) = found.map_err(|e| e.raise(pos))?;
         let (name, host_path, text) = match found {
             Found::Module(module) => return Ok(module),
             Found::Text {
@@ -130,19 +140,17 @@ impl ModuleResolver for Resolver {
                 text,
             } => (name, host_path, text),
         };
-        let limits = self.session.state().limits.clone();
         let in_module = |e: Box<EvalAltResult>| Box::new(EvalAltResult::ErrorInModule(name.clone(), e, pos));
         let mut ast = engine::compile(&text, &limits)
             .map_err(|e| e.raise(pos))?
             .map_err(|e| in_module(Box::new(EvalAltResult::ErrorParsing(*e.0, e.1))))?;
         ast.set_source(name.as_str());
-        self.session.state().loading.push(host_path.clone());
+        with_state(|state| state.loading.push(host_path.clone()));
         // A scope of its own: a module does not see the variables of who imports it.
         let module = Module::eval_ast_as_new_raw(engine, &mut Scope::new(), global, &ast);
-        let mut state = self.session.state();
-        state.loading.pop();
+        with_state(|state| state.loading.pop());
         let module: Arc<Module> = Arc::new(module.map_err(in_module)?);
-        state.modules.insert(host_path, Arc::clone(&module));
+        with_state(|state| state.modules.insert(host_path, Arc::clone(&module)));
         Ok(module)
     }
 }

@@ -1,16 +1,13 @@
 //! What one run of a script works on.
 
 use std::{
-    cell::Cell,
+    cell::{Cell, RefCell},
     collections::BTreeMap,
-    sync::{
-        Arc, Mutex, MutexGuard, PoisonError,
-        atomic::{AtomicU64, Ordering},
-    },
+    sync::Arc,
     time::Duration,
 };
 
-use rhai::{Dynamic, Module, Position};
+use rhai::{Dynamic, ImmutableString, Module, Position};
 
 use super::{
     Picture, RunOptions,
@@ -54,6 +51,8 @@ pub(crate) struct State {
     /// Index into `sources` of the file of the current call, and its number in the scene.
     current: usize,
     current_file: u16,
+    /// The engine's own name of that file, by which it is known without a look at its letters.
+    current_name: ImmutableString,
     /// Modules by host path, run once each.
     pub(crate) modules: BTreeMap<String, Arc<Module>>,
     /// Host paths of the modules being loaded, outermost first.
@@ -64,7 +63,7 @@ pub(crate) struct State {
     /// What ended the run.
     pub(crate) ended: Option<Box<ScriptError>>,
     /// Time spent rendering, which does not count as the script's.
-    pub(crate) rendering: Arc<AtomicU64>,
+    pub(crate) rendering: Duration,
 }
 
 impl State {
@@ -85,30 +84,38 @@ impl State {
             sources: vec![main],
             current: 0,
             current_file,
+            current_name: ImmutableString::new(),
             modules: BTreeMap::new(),
             loading: Vec::new(),
             assets: AssetCache::default(),
             printed: 0,
             ended: None,
-            rendering: Arc::default(),
+            rendering: Duration::ZERO,
         }
     }
 
     /// Notes where the script calls from.
     #[inline]
-    pub(super) fn at(&mut self, source: Option<&str>, pos: Position) {
+    pub(super) fn at(&mut self, source: Option<&ImmutableString>, pos: Position) {
         if let Some(name) = source
-            && self.sources.get(self.current).is_none_or(|s| s.name != name)
-            && let Some(i) = self.sources.iter().position(|s| s.name == name)
+            && !name.ptr_eq(&self.current_name)
         {
-            self.current = i;
-            self.current_file = self.builder.file(name);
+            self.change_source(name);
         }
         self.builder.set_loc(SourceLoc {
             line: pos.line().unwrap_or(0) as u32,
             column: pos.position().unwrap_or(0) as u16,
             file: self.current_file,
         });
+    }
+
+    #[cold]
+    fn change_source(&mut self, name: &ImmutableString) {
+        if let Some(i) = self.sources.iter().position(|s| s.name == **name) {
+            self.current = i;
+            self.current_file = self.builder.file(name);
+            self.current_name = name.clone();
+        }
     }
 
     /// The host's path of a file that the current source names.
@@ -143,75 +150,132 @@ pub(crate) fn limit(what: &str, name: &str, value: impl std::fmt::Display) -> Bo
     ScriptError::of_kind(ErrorKind::Limit, format!("{what}: the limit '{name}' is {value}"))
 }
 
-/// A run's state behind a handle that Rhai can carry in its tag.
-#[derive(Clone)]
-pub(crate) struct Session(Arc<Mutex<State>>);
+thread_local! {
+    /// The run of this thread. A script has its thread to itself, so its state is shared with nobody: a scene
+    /// function takes it without a lock.
+    static RUN: RefCell<Option<Box<State>>> = const { RefCell::new(None) };
+}
+
+/// Runs `f` on the state of the script that this thread runs; `None` where it runs none, or where `f` would be
+/// inside another `f`.
+#[inline]
+pub(crate) fn with_state<T>(f: impl FnOnce(&mut State) -> T) -> Option<T> {
+    RUN.with(|run| run.try_borrow_mut().ok()?.as_deref_mut().map(f))
+}
+
+/// A run on the current thread, for as long as it lives.
+pub(super) struct Session {
+    /// The run that goes on afterwards, where a host runs a script from within a script.
+    outer: Option<Box<State>>,
+    has_ended: bool,
+}
 
 impl Session {
-    pub(super) fn new(state: State) -> Self {
-        Self(Arc::new(Mutex::new(state)))
+    /// Makes `state` that of the current thread.
+    pub(super) fn begin(state: State) -> Self {
+        let outer = RUN.with(|run| run.replace(Some(Box::new(state))));
+        Self {
+            outer,
+            has_ended: false,
+        }
     }
 
-    /// The state. Only the script's own thread ever takes it, and never twice.
-    #[inline]
-    pub(crate) fn state(&self) -> MutexGuard<'_, State> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Ends the run and hands over what it leaves.
+    pub(super) fn end(mut self) -> Option<Box<State>> {
+        self.has_ended = true;
+        RUN.with(|run| run.replace(self.outer.take()))
     }
+}
 
-    pub(super) fn print(&self, text: &str) {
-        self.state().print(text);
-    }
-
-    /// A watch that tells the engine when to end the run: too many steps, the deadline, the host's wish, a
-    /// used-up budget. What ends a run once ends it for good, also where Rhai passes over an error, as it does
-    /// in the comparisons of a sort.
-    ///
-    /// Steps are counted here: Rhai forgets those of closures that its own functions call.
-    pub(super) fn watch(&self) -> impl Fn(u64) -> Option<Dynamic> + Send + Sync + 'static {
-        let session = self.clone();
-        let state = self.state();
-        let limits = state.limits.clone();
-        let host = state.host.clone();
-        let rendering = Arc::clone(&state.rendering);
-        drop(state);
-        let clock = Clock::start();
-        STEPS.set(0);
-        move |_| {
-            let steps = STEPS.get().saturating_add(1);
-            STEPS.set(steps);
-            if !steps.is_multiple_of(CHECK_EVERY) && steps <= limits.operations {
-                return None;
-            }
-            let mut state = session.state();
-            if state.ended.is_none() {
-                let rendering = Duration::from_nanos(rendering.load(Ordering::Relaxed));
-                let spent = clock.elapsed().saturating_sub(rendering);
-                state.ended = if steps > limits.operations {
-                    let value = limits.operations;
-                    Some(limit("the script takes too many steps", "operations", value))
-                } else if host.should_stop() {
-                    Some(ScriptError::of_kind(ErrorKind::Cancelled, "the run was stopped"))
-                } else if spent > limits.script_time {
-                    let value = format!("{:?}", limits.script_time);
-                    Some(limit("the script runs too long", "script_time", value))
-                } else if state.printed > limits.print_bytes {
-                    let value = limits.print_bytes;
-                    Some(limit("the script prints too much", "print_bytes", value))
-                } else {
-                    None
-                };
-            }
-            let ended = state.ended.clone()?;
-            // From now on every step looks here.
-            STEPS.set(u64::MAX);
-            Some(Dynamic::from(*ended))
+impl Drop for Session {
+    fn drop(&mut self) {
+        if !self.has_ended {
+            drop(RUN.with(|run| run.replace(self.outer.take())));
         }
     }
 }
 
+/// Prints a line for the script.
+pub(super) fn print(text: &str) {
+    with_state(|state| state.print(text));
+}
+
+/// A watch that tells the engine when to end the run of the current thread: too many steps, the deadline, the
+/// host's wish, a used-up budget. What ends a run once ends it for good, also where Rhai passes over an error, as
+/// it does in the comparisons of a sort.
+///
+/// Steps are counted here: Rhai forgets those of closures that its own functions call.
+pub(super) fn watch(limits: &Limits) -> impl Fn(u64) -> Option<Dynamic> + Send + Sync + 'static {
+    let limits = limits.clone();
+    let clock = Clock::start();
+    STEPS.with(|steps| steps.plan(0, limits.operations));
+    move |_| {
+        let left = STEPS.with(|steps| {
+            let left = steps.left.get().saturating_sub(1);
+            steps.left.set(left);
+            left
+        });
+        if left > 0 {
+            return None;
+        }
+        look(&limits, &clock)
+    }
+}
+
+/// Whether the run is to end.
+#[cold]
+fn look(limits: &Limits, clock: &Clock) -> Option<Dynamic> {
+    let taken = STEPS.with(|steps| steps.until.get());
+    let ended = with_state(|state| {
+        if state.ended.is_none() {
+            let spent = clock.elapsed().saturating_sub(state.rendering);
+            state.ended = if taken > limits.operations {
+                let value = limits.operations;
+                Some(limit("the script takes too many steps", "operations", value))
+            } else if state.host.should_stop() {
+                Some(ScriptError::of_kind(ErrorKind::Cancelled, "the run was stopped"))
+            } else if spent > limits.script_time {
+                let value = format!("{:?}", limits.script_time);
+                Some(limit("the script runs too long", "script_time", value))
+            } else if state.printed > limits.print_bytes {
+                let value = limits.print_bytes;
+                Some(limit("the script prints too much", "print_bytes", value))
+            } else {
+                None
+            };
+        }
+        state.ended.clone()
+    });
+    let Some(ended) = ended.flatten() else {
+        STEPS.with(|steps| steps.plan(taken, limits.operations));
+        return None;
+    };
+    // With none left, every further step looks here.
+    Some(Dynamic::from(*ended))
+}
+
+/// The steps of the script that runs on this thread.
+struct Steps {
+    /// Steps until the next look.
+    left: Cell<u64>,
+    /// Steps taken when none is left.
+    until: Cell<u64>,
+}
+
+impl Steps {
+    /// Plans the next look: after [`CHECK_EVERY`] steps, at the latest at the first beyond `operations`.
+    fn plan(&self, taken: u64, operations: u64) {
+        let next = taken
+            .saturating_add(CHECK_EVERY)
+            .min(operations.saturating_add(1));
+        let next = next.max(taken.saturating_add(1));
+        self.left.set(next - taken);
+        self.until.set(next);
+    }
+}
+
 thread_local! {
-    /// Steps of the script that runs on this thread.
-    static STEPS: Cell<u64> = const { Cell::new(0) };
+    static STEPS: Steps = const { Steps { left: Cell::new(0), until: Cell::new(0) } };
 }
 
 /// Operations between two looks at the clock: some 50 microseconds.

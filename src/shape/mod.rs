@@ -209,6 +209,7 @@ impl<T: Solidity> Solidity for Arc<T> {
 
 /// A length a shape may have: greater than 0 and at most 1e15, which NaN is not. `what` names it in the
 /// message.
+#[inline]
 fn positive(what: &str, x: f64) -> Result<(), SceneError> {
     if x > 0.0 && x <= 1e15 {
         return Ok(());

@@ -27,6 +27,7 @@ impl Sphere {
     ///
     /// # Errors
     /// Where the radius is not greater than 0, or a number is not finite or beyond 1e15.
+    #[inline]
     pub fn new(center: DVec3, radius: f64) -> Result<Self, SceneError> {
         positive("the sphere's radius", radius)?;
         if !(center.is_finite() && max_abs(center) <= 1e15) {

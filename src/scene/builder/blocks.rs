@@ -1,10 +1,7 @@
 //! Blocks that restore what they change, and groups with names.
 
-use super::{Builder, SceneError};
-use crate::{
-    math::DAffine3,
-    scene::{Geometry, Group, GroupId, Material},
-};
+use super::{Builder, Placing, SceneError};
+use crate::scene::{Geometry, Group, GroupId, Material};
 
 /// What a `group` or `define` block restores when it is left; see [`Builder::begin_group`].
 #[derive(Debug)]
@@ -12,7 +9,7 @@ use crate::{
 pub struct GroupMark {
     depth: usize,
     floor: usize,
-    ctm: DAffine3,
+    ctm: Placing,
     material: Material,
     /// The group that was being filled, where the block is a `define`.
     outer: Option<(String, Group)>,
@@ -55,7 +52,7 @@ impl Builder {
         let outer = std::mem::take(&mut self.group);
         self.group.name = name.to_owned();
         self.group.loc = self.loc;
-        self.ctm = DAffine3::IDENTITY;
+        self.ctm = Placing::IDENTITY;
         mark.outer = Some((name.to_owned(), outer));
         Ok(mark)
     }
@@ -79,21 +76,55 @@ impl Builder {
     /// # Errors
     /// Where there is no such group yet, the current matrix is singular, or a limit is passed.
     pub fn instance(&mut self, name: &str) -> Result<(), SceneError> {
-        let Some(&id) = self.scene.names.get(name) else {
-            let known: Vec<&str> = self.scene.names.keys().map(String::as_str).collect();
-            let error = SceneError::new(format!("no group is defined as \"{name}\""));
-            let near = crate::diag::nearest_names(name, known.iter().copied());
-            return Err(match (near.first(), known.is_empty()) {
-                (Some(near), _) => error.hint(format!("did you mean \"{near}\"?")),
-                (None, true) => error.hint(format!("define \"{name}\" {{ ... }} must come first")),
-                (None, false) => error.hint(format!("defined are: {}", known.join(", "))),
-            });
-        };
-        self.require_invertible("an instance")?;
-        let lights = self.scene.groups[id.index()].lights.clone();
-        for light in lights {
-            self.push_light(light.kind, light.color)?;
+        let id = self.defined(name)?;
+        self.place(id)
+    }
+
+    /// Places the group defined as `name` once for each matrix, given row by row as to
+    /// [`Builder::mult_matrix`], under the product of the current matrix with it. Either all are placed or none.
+    ///
+    /// # Errors
+    /// As [`Builder::instance`] and [`Builder::mult_matrix`], naming the matrix, counted from 0.
+    pub fn instances(&mut self, name: &str, matrices: &[[f64; 16]]) -> Result<(), SceneError> {
+        let id = self.defined(name)?;
+        let outer = self.ctm;
+        let before = (self.group.objects.len(), self.group.lights.len());
+        let counted = (self.primitives, self.lights);
+        for (i, rows) in matrices.iter().enumerate() {
+            let placed = self.mult_matrix(rows).and_then(|()| self.place(id));
+            self.ctm = outer;
+            if let Err(e) = placed {
+                self.group.objects.truncate(before.0);
+                self.group.lights.truncate(before.1);
+                (self.primitives, self.lights) = counted;
+                return Err(e.of(format_args!("matrix {i}")));
+            }
+        }
+        Ok(())
+    }
+
+    fn place(&mut self, id: GroupId) -> Result<(), SceneError> {
+        self.require_invertible("an", "instance")?;
+        for i in 0..self.scene.groups[id.index()].lights.len() {
+            let light = &self.scene.groups[id.index()].lights[i];
+            let (kind, color) = (light.kind.clone(), light.color);
+            self.push_light(kind, color)?;
         }
         self.add(Geometry::Instance(id), 1)
+    }
+
+    /// The group that `define` called `name`.
+    fn defined(&self, name: &str) -> Result<GroupId, SceneError> {
+        if let Some(&id) = self.scene.names.get(name) {
+            return Ok(id);
+        }
+        let known: Vec<&str> = self.scene.names.keys().map(String::as_str).collect();
+        let error = SceneError::new(format!("no group is defined as \"{name}\""));
+        let near = crate::diag::nearest_names(name, known.iter().copied());
+        Err(match (near.first(), known.is_empty()) {
+            (Some(near), _) => error.hint(format!("did you mean \"{near}\"?")),
+            (None, true) => error.hint(format!("define \"{name}\" {{ ... }} must come first")),
+            (None, false) => error.hint(format!("defined are: {}", known.join(", "))),
+        })
     }
 }

@@ -91,7 +91,7 @@ impl Builder {
         if self.lights >= self.limits.lights {
             return Err(SceneError::limit("too many lights", "lights", self.limits.lights));
         }
-        let m = &self.ctm;
+        let m = self.ctm.matrix();
         let kind = match kind {
             LightKind::Point {
                 position,

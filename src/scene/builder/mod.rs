@@ -4,6 +4,7 @@
 
 mod blocks;
 mod lights;
+mod placing;
 mod settings;
 mod shapes;
 mod stack;
@@ -11,15 +12,16 @@ mod stack;
 use std::collections::{BTreeMap, HashMap};
 
 pub use blocks::GroupMark;
+use placing::Placing;
 
 use super::{
     Attenuation, Camera, Geometry, Group, Material, MaterialId, Object, ROOT_GROUP, Scene, SceneError,
-    Settings, TransformId, material::MaterialKey,
+    Settings, material::MaterialKey,
 };
 use crate::{
     diag::{Diagnostic, Report, SourceLoc},
     limits::Limits,
-    math::{self, DAffine3, DVec3, max_abs},
+    math::{DAffine3, DVec3, max_abs},
 };
 
 /// Builds a [`Scene`] call by call.
@@ -40,9 +42,10 @@ pub struct Builder {
     limits: Limits,
     /// The group being filled.
     group: Group,
-    ctm: DAffine3,
+    /// The current matrix.
+    ctm: Placing,
     /// Saved matrices with the place of their push.
-    stack: Vec<(DAffine3, SourceLoc)>,
+    stack: Vec<(Placing, SourceLoc)>,
     /// Pops may not go below this height: the height at which the innermost block began.
     floor: usize,
     material: Material,
@@ -86,7 +89,7 @@ impl Builder {
             },
             limits,
             group: Group::default(),
-            ctm: DAffine3::IDENTITY,
+            ctm: Placing::IDENTITY,
             stack: Vec::new(),
             floor: 0,
             material: Material::default(),
@@ -181,16 +184,19 @@ impl Builder {
         }
     }
 
-    fn require_invertible(&self, what: &str) -> Result<(), SceneError> {
-        if math::is_singular(&self.ctm.matrix3) {
+    /// Refuses a current matrix under which `what` ("sphere") would be flattened.
+    #[inline]
+    fn require_invertible(&mut self, article: &str, what: &str) -> Result<(), SceneError> {
+        if self.ctm.is_singular() {
             return Err(SceneError::new(format!(
-                "{what} cannot be placed under a singular matrix: it is flattened to nothing"
+                "{article} {what} cannot be placed under a singular matrix: it is flattened to nothing"
             ))
             .hint("is a component of scale(...) 0?"));
         }
         Ok(())
     }
 
+    #[inline(always)]
     fn add(&mut self, geometry: Geometry, primitives: usize) -> Result<(), SceneError> {
         self.primitives = self.primitives.saturating_add(primitives);
         if self.primitives > self.limits.primitives {
@@ -209,7 +215,7 @@ impl Builder {
                 id
             }
         };
-        let transform = self.transform_id();
+        let transform = self.ctm.id(&mut self.scene.transforms);
         self.group.objects.push(Object {
             geometry,
             transform,
@@ -218,19 +224,9 @@ impl Builder {
         });
         Ok(())
     }
-
-    fn transform_id(&mut self) -> TransformId {
-        let transforms = &mut self.scene.transforms;
-        if self.ctm == DAffine3::IDENTITY {
-            return TransformId::IDENTITY;
-        }
-        if transforms.last() != Some(&self.ctm) {
-            transforms.push(self.ctm);
-        }
-        TransformId(transforms.len() as u32 - 1)
-    }
 }
 
+#[inline]
 fn finite(what: &str, v: DVec3) -> Result<DVec3, SceneError> {
     if v.is_finite() && max_abs(v) <= 1e15 {
         return Ok(v);

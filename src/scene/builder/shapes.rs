@@ -59,8 +59,9 @@ impl Builder {
     ///
     /// # Errors
     /// Where the current matrix is singular, or the limit `primitives` is passed.
+    #[inline(always)]
     pub fn shape(&mut self, shape: Shape) -> Result<(), SceneError> {
-        self.require_invertible(&format!("a {}", shape.name()))?;
+        self.require_invertible("a", shape.name())?;
         self.add(Geometry::Shape(shape), 1)
     }
 
@@ -68,6 +69,7 @@ impl Builder {
     ///
     /// # Errors
     /// As [`Sphere::new`] and [`Builder::shape`].
+    #[inline(always)]
     pub fn sphere(&mut self, center: DVec3, radius: f64) -> Result<(), SceneError> {
         self.shape(Shape::Sphere(Sphere::new(center, radius)?))
     }

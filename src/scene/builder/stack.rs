@@ -1,13 +1,13 @@
 //! The matrix stack.
 
-use super::{Builder, SceneError, finite};
-use crate::math::{self, DAffine3, DMat3, DVec3, max_abs};
+use super::{Builder, Placing, SceneError, finite};
+use crate::math::{self, DAffine3, DMat3, DVec3};
 
 impl Builder {
     /// The current matrix: world (or group) from object.
     #[must_use]
     pub fn current_transform(&self) -> DAffine3 {
-        self.ctm
+        *self.ctm.matrix()
     }
 
     /// Saves the current matrix.
@@ -51,23 +51,7 @@ impl Builder {
     /// # Errors
     /// Where the product is not finite or beyond 1e15.
     pub fn multiply(&mut self, m: DAffine3) -> Result<(), SceneError> {
-        let product = self.ctm * m;
-        let largest = [
-            product.matrix3.x_axis,
-            product.matrix3.y_axis,
-            product.matrix3.z_axis,
-            product.translation,
-        ]
-        .map(max_abs)
-        .into_iter()
-        .fold(0.0, f64::max);
-        if !product.is_finite() || largest > 1e15 {
-            return Err(SceneError::new("the current matrix grows beyond 1e15").hint(
-                "is a scale or translate repeated in a loop without pushTransform() and popTransform()?",
-            ));
-        }
-        self.ctm = product;
-        Ok(())
+        self.ctm.multiply(&m).ok_or_else(beyond)
     }
 
     /// Moves what is made from now on.
@@ -75,7 +59,8 @@ impl Builder {
     /// # Errors
     /// As [`Builder::multiply`].
     pub fn translate(&mut self, by: DVec3) -> Result<(), SceneError> {
-        self.multiply(DAffine3::from_translation(finite("the translation", by)?))
+        let by = finite("the translation", by)?;
+        self.ctm.translate(by).ok_or_else(beyond)
     }
 
     /// Turns what is made from now on about `axis` (any length but 0) by `degrees`, right-handed.
@@ -100,10 +85,8 @@ impl Builder {
     /// # Errors
     /// As [`Builder::multiply`].
     pub fn scale(&mut self, by: DVec3) -> Result<(), SceneError> {
-        self.multiply(DAffine3::from_mat3(DMat3::from_diagonal(finite(
-            "the scale",
-            by,
-        )?)))
+        let by = finite("the scale", by)?;
+        self.ctm.scale(by).ok_or_else(beyond)
     }
 
     /// Multiplies by a 4x4 matrix given row by row.
@@ -130,6 +113,12 @@ impl Builder {
 
     /// Sets the current matrix to the identity.
     pub fn load_identity(&mut self) {
-        self.ctm = DAffine3::IDENTITY;
+        self.ctm = Placing::IDENTITY;
     }
+}
+
+#[cold]
+fn beyond() -> SceneError {
+    SceneError::new("the current matrix grows beyond 1e15")
+        .hint("is a scale or translate repeated in a loop without pushTransform() and popTransform()?")
 }

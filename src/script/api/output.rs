@@ -1,9 +1,6 @@
 //! Rendering from the script, and pictures as values.
 
-use std::{
-    sync::{Arc, atomic::Ordering},
-    time::Duration,
-};
+use std::sync::Arc;
 
 use rhai::{Dynamic, FuncRegistration, Module};
 
@@ -61,7 +58,7 @@ fn render(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
         || Err(stopped()),
         |r| r.map_err(|e| ScriptError::from_file(*e.diagnostic)),
     );
-    count_rendering(state, clock.elapsed());
+    state.rendering = state.rendering.saturating_add(clock.elapsed());
     let report = result?;
     state.warnings.extend(report.warnings);
     let image = Arc::new(report.value.image);
@@ -85,11 +82,6 @@ fn render(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
 #[cold]
 fn stopped() -> Box<ScriptError> {
     ScriptError::of_kind(ErrorKind::Cancelled, "the run was stopped")
-}
-
-fn count_rendering(state: &State, spent: Duration) {
-    let nanos = u64::try_from(spent.as_nanos()).unwrap_or(u64::MAX);
-    state.rendering.fetch_add(nanos, Ordering::Relaxed);
 }
 
 fn pixel(call: &mut Call<'_, '_>) -> Outcome {
