@@ -12,7 +12,7 @@ use rhai::{
     AST, Dynamic, Engine, EvalAltResult, EvalContext, Expression, FuncRegistration, LexError, Module,
     NativeCallContext, OptimizationLevel, ParseError, Position, RhaiFunc, Scope, Token,
     packages::{
-        ArithmeticPackage, BasicArrayPackage, BasicIteratorPackage, BasicMapPackage,
+        ArithmeticPackage, BasicArrayPackage, BasicBlobPackage, BasicIteratorPackage, BasicMapPackage,
         BasicStringPackage, BitFieldPackage, LogicPackage, MoreStringPackage, Package,
     },
 };
@@ -46,6 +46,7 @@ static MODULES: LazyLock<Vec<Arc<Module>>> = LazyLock::new(|| {
         LogicPackage::new().as_shared_module(),
         BitFieldPackage::new().as_shared_module(),
         BasicArrayPackage::new().as_shared_module(),
+        BasicBlobPackage::new().as_shared_module(),
         BasicMapPackage::new().as_shared_module(),
         BasicIteratorPackage::new().as_shared_module(),
         BasicStringPackage::new().as_shared_module(),

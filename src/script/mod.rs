@@ -9,6 +9,7 @@ mod call;
 mod engine;
 mod errors;
 mod link;
+mod lists;
 mod modules;
 mod names;
 mod power;

@@ -52,6 +52,8 @@ pub enum Kind {
     String,
     /// An array.
     Array,
+    /// An array, or a blob of floats as `write_le` writes them.
+    List,
     /// `#{ }` with known keys.
     Map,
     /// A picture.
@@ -79,6 +81,7 @@ impl Kind {
             Self::NumberOrVec3 => "number | vec3",
             Self::String => "string",
             Self::Array => "array",
+            Self::List => "array | blob",
             Self::Map => "map",
             Self::Image => "image",
             Self::Block => "block",
@@ -376,7 +379,7 @@ mod tests {
         for entry in entries() {
             let before = match entry.name {
                 "popTransform" => "pushTransform(); ",
-                "instance" => "define \"car\" { sphere(0, 0, 0, 1); } ",
+                "instance" | "instances" => "define \"car\" { sphere(0, 0, 0, 1); } ",
                 "pixel" => "let picture = render(); ",
                 _ => "",
             };

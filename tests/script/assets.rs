@@ -89,7 +89,7 @@ fn arrays_that_make_no_mesh() {
         ("#{ positions: [] }", "the mesh has no positions"),
         (
             "#{ positions: 5 }",
-            "mesh: positions must be an array, not a number",
+            "mesh: positions must be an array or a blob, not a number",
         ),
         (
             "#{ positions: [0, 1] }",

@@ -13,6 +13,7 @@ use crate::{
     scene::{Builder, Mesh},
     script::{
         call::{Call, kind_of, number_of},
+        lists::tuples,
         session::State,
         table::{DONE, Entry, Group},
         value::{ImageValue, Outcome, ScriptError},
@@ -31,7 +32,7 @@ pub(super) const ENTRIES: &[Entry] = &[
                 map("options", "materials: whether to read the file's materials; true unless given"),
             ],
         ])
-        .doc("A triangle mesh: from a file, with its normals, materials and textures; with #{ materials: false } its shape alone, in the current material; or from arrays. positions and normals are points or one flat list, uvs are pairs or one flat list, indices count from 0, three for each triangle. Without indices every three positions are a triangle; without normals the mesh is flat.")
+        .doc("A triangle mesh: from a file, with its normals, materials and textures; with #{ materials: false } its shape alone, in the current material; or from arrays. positions and normals are points or one flat list, uvs are pairs or one flat list, each also a blob of floats as write_le writes them; indices count from 0, three for each triangle. Without indices every three positions are a triangle; without normals the mesh is flat.")
         .usage("mesh(#{ positions: [[0, 0, 0], [1, 0, 0], [0, 1, 0]] })")
         .example("light([2, 4, 5], [1, 1, 1]);\ndiffuse(0.8, 0.6, 0.3);\nmesh(#{\n  positions: [[-1, -1, 0], [1, -1, 0], [1, 1, -1], [-1, 1, -1]],\n  indices: [0, 1, 2, 0, 2, 3],\n});\ntranslate(0, 0, 1);\nmesh(\"tetrahedron.obj\");")
         .also(&["obj", "model", "loadObj", "import", "triangleMesh"]),
@@ -134,60 +135,6 @@ fn from_arrays(call: &Call<'_, '_>, data: &Map) -> Outcome<Mesh> {
     let uvs = uvs.map(|uvs| uvs.into_iter().map(DVec2::from_array).collect());
     let indices = optional("indices").map(|d| indices(call, d)).transpose()?;
     Ok(mesh_from_arrays(positions, indices.as_deref(), normals, uvs)?)
-}
-
-/// A list of `N` numbers each: nested, or one flat list.
-fn tuples<const N: usize>(call: &Call<'_, '_>, name: &str, d: &Dynamic) -> Outcome<Vec<[f64; N]>> {
-    let Some(array) = d.read_lock::<Array>() else {
-        return Err(call.wrong_kind(name, "an array", d));
-    };
-    if array.first().and_then(number_of).is_some() {
-        let numbers: Outcome<Vec<f64>> = array
-            .iter()
-            .enumerate()
-            .map(|(i, d)| number(call, || format!("{name}[{i}]"), d))
-            .collect();
-        let numbers = numbers?;
-        let (tuples, rest) = numbers.as_chunks::<N>();
-        if !rest.is_empty() {
-            return Err(call.error(format!(
-                "{name} has {} numbers, which do not come in {N}s",
-                array.len()
-            )));
-        }
-        return Ok(tuples.to_vec());
-    }
-    array
-        .iter()
-        .enumerate()
-        .map(|(i, d)| tuple::<N>(call, &|| format!("{name}[{i}]"), d))
-        .collect()
-}
-
-fn tuple<const N: usize>(call: &Call<'_, '_>, name: &dyn Fn() -> String, d: &Dynamic) -> Outcome<[f64; N]> {
-    let mut to = [0.0; N];
-    if let Some(v) = d.read_lock::<DVec3>() {
-        // A vec3 stands for a point, or for a uv of which the third component is of no use.
-        to.iter_mut().zip(v.to_array()).for_each(|(to, x)| *to = x);
-        return Ok(to);
-    }
-    let Some(array) = d.read_lock::<Array>() else {
-        return Err(call.error(format!("{} must be {N} numbers, not {}", name(), kind_of(d))));
-    };
-    if array.len() != N {
-        return Err(call.error(format!("{} must be {N} numbers, not {}", name(), array.len())));
-    }
-    for (i, (to, d)) in to.iter_mut().zip(array.iter()).enumerate() {
-        *to = number(call, || format!("{}[{i}]", name()), d)?;
-    }
-    Ok(to)
-}
-
-fn number(call: &Call<'_, '_>, name: impl FnOnce() -> String, d: &Dynamic) -> Outcome<f64> {
-    match number_of(d) {
-        Some(x) if x.is_finite() => Ok(x),
-        _ => call.number_from(&name(), d),
-    }
 }
 
 /// Ints, nested in threes or one flat list.

@@ -4,31 +4,44 @@ use std::sync::Arc;
 
 use rhai::Array;
 
-use super::{number, vec3};
+use super::{number as number_param, vec3};
 use crate::{
     math::DVec3,
+    scene::SceneError,
     script::{
         call::Call,
+        lists::{number, tuple, tuples_with},
         session::State,
         table::{DONE, Entry, Group, Kind, Param},
         value::Outcome,
     },
-    shape::{Cone, Cuboid, Cylinder, Disk, Plane, Polygon, Shape, Torus},
+    shape::{Cone, Cuboid, Cylinder, Disk, Plane, Polygon, Shape, Sphere, Torus},
 };
 
-const RADIUS: Param = number("radius", "object units", "greater than 0");
-const HEIGHT: Param = number("height", "object units", "greater than 0");
+const RADIUS: Param = number_param("radius", "object units", "greater than 0");
+const HEIGHT: Param = number_param("height", "object units", "greater than 0");
 
 pub(super) const ENTRIES: &[Entry] = &[
     Entry::scene(Group::Shapes, "sphere", sphere)
         .takes(&[&[
             vec3("center", "object units", "the center"),
-            number("radius", "object units", "greater than 0"),
+            number_param("radius", "object units", "greater than 0"),
         ]])
         .doc("A sphere. Under scale(x, y, z) it is an ellipsoid.")
         .usage("sphere(0, 0, 0, 1)")
         .example("light([5, 5, 5], [1, 1, 1]);\ndiffuse(0.8, 0.2, 0.1);\nsphere(0, 0, 0, 1);")
         .also(&["ball", "ellipsoid", "orb"]),
+    Entry::scene(Group::Shapes, "spheres", spheres)
+        .takes(&[&[Param::new(
+            "list",
+            Kind::List,
+            "object units",
+            "center and radius of each: [x, y, z, r] or [center, r]; or their numbers in one flat list or blob",
+        )]])
+        .doc("Many spheres at once, each as sphere(x, y, z, r) would make it. A blob holds floats as write_le writes them, 8 bytes each.")
+        .usage("spheres([[0, 0, 0, 1], [2, 0, 0, 0.5]])")
+        .example("light([5, 5, 5], [1, 1, 1]);\ndiffuse(0.8, 0.2, 0.1);\nlet list = [];\nfor i in 0..60 {\n  let a = radians(i * 137.5);\n  let r = 0.25 * sqrt(i);\n  list.push([r * cos(a), r * sin(a), 0, 0.2]);\n}\nspheres(list);")
+        .also(&["balls", "particles", "points"]),
     Entry::scene(Group::Shapes, "tri", tri)
         .takes(&[
             &[
@@ -53,9 +66,9 @@ pub(super) const ENTRIES: &[Entry] = &[
         .takes(&[
             &[],
             &[
-                number("w", "object units", "edge along x, greater than 0"),
-                number("h", "object units", "edge along y"),
-                number("d", "object units", "edge along z"),
+                number_param("w", "object units", "edge along x, greater than 0"),
+                number_param("h", "object units", "edge along y"),
+                number_param("d", "object units", "edge along z"),
             ],
         ])
         .doc("A box centered at the origin; without arguments the unit cube, which scale(w, h, d) gives its size.")
@@ -83,8 +96,8 @@ pub(super) const ENTRIES: &[Entry] = &[
         .takes(&[
             &[],
             &[
-                number("major", "object units", "from the middle to the middle of the tube"),
-                number("minor", "object units", "radius of the tube, less than major"),
+                number_param("major", "object units", "from the middle to the middle of the tube"),
+                number_param("minor", "object units", "radius of the tube, less than major"),
             ],
         ])
         .doc("A ring around Y; without arguments major 0.375 and minor 0.125, which fits the unit cube.")
@@ -114,6 +127,38 @@ fn sphere(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     call.end()?;
     state.builder.sphere(center, radius)?;
     DONE
+}
+
+fn spheres(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let given = call.any()?;
+    call.end()?;
+    let numbers = tuples_with::<4>(call, "list", given, |name, d| match d.read_lock::<Array>() {
+        Some(pair) if pair.len() == 2 => center_and_radius(call, name, &pair),
+        _ => tuple(call, name, d),
+    })?;
+    // All are checked before the first is made: a script that catches the error has none of them.
+    let checked: Result<Vec<Shape>, SceneError> = numbers
+        .iter()
+        .enumerate()
+        .map(|(i, &[x, y, z, r])| {
+            let sphere = Sphere::new(DVec3::new(x, y, z), r);
+            sphere
+                .map(Shape::Sphere)
+                .map_err(|e| e.of(format_args!("sphere {i}")))
+        })
+        .collect();
+    for shape in checked? {
+        state.builder.shape(shape)?;
+    }
+    DONE
+}
+
+fn center_and_radius(call: &Call<'_, '_>, name: &dyn Fn() -> String, pair: &Array) -> Outcome<[f64; 4]> {
+    let [center, radius] = pair.as_slice() else {
+        return Err(call.error(format!("{} must be a center and a radius", name())));
+    };
+    let [x, y, z] = tuple(call, &|| format!("{}[0]", name()), center)?;
+    Ok([x, y, z, number(call, || format!("{}[1]", name()), radius)?])
 }
 
 fn tri(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {

@@ -7,6 +7,7 @@ use crate::{
     math::DVec3,
     script::{
         call::{Call, kind_of, number_of},
+        lists::{tuple, tuples_with},
         session::State,
         table::{DONE, Entry, Group, Kind, Param},
         value::Outcome,
@@ -83,6 +84,20 @@ pub(super) const ENTRIES: &[Entry] = &[
         .usage("instance(\"car\")")
         .example("define \"ball\" { sphere(0, 0, 0, 0.4); }\nfor x in -2..3 {\n  group { translate(x, 0, 0); instance(\"ball\"); }\n}")
         .also(&["use", "place", "copy"]),
+    Entry::scene(Group::Transform, "instances", instances)
+        .takes(&[&[
+            string("name", "as given to define"),
+            Param::new(
+                "matrices",
+                Kind::List,
+                "none",
+                "matrices of 16 numbers row by row as multMatrix takes them, or of the first 12; or the 16 numbers of each in one flat list or blob",
+            ),
+        ]])
+        .doc("Places a defined group many times, each as multMatrix(matrix) and instance(name) would between a push and a pop. A blob holds floats as write_le writes them, 8 bytes each.")
+        .usage("instances(\"car\", [[1, 0, 0, 2, 0, 1, 0, 0, 0, 0, 1, 0]])")
+        .example("define \"ball\" { sphere(0, 0, 0, 0.4); }\nlet matrices = [];\nfor x in -2..3 {\n  matrices.push([1, 0, 0, x,\n                 0, 1 + x * x / 2.0, 0, 0,\n                 0, 0, 1, 0]);\n}\ninstances(\"ball\", matrices);")
+        .also(&["scatter", "copies"]),
 ];
 
 fn push(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
@@ -123,6 +138,8 @@ fn scale(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     DONE
 }
 
+const ROW_BY_ROW: &str = "row by row, in one list: [1, 0, 0, x,  0, 1, 0, y,  0, 0, 1, z,  0, 0, 0, 1]";
+
 fn mult_matrix(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     let given = call.any()?;
     call.end()?;
@@ -135,7 +152,7 @@ fn mult_matrix(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
                 "matrix must be an array of 16 numbers, not of {}",
                 array.len()
             ))
-            .hint("row by row, in one list: [1, 0, 0, x,  0, 1, 0, y,  0, 0, 1, z,  0, 0, 0, 1]"));
+            .hint(ROW_BY_ROW));
     }
     let mut rows = [0.0; 16];
     for (i, (to, from)) in rows.iter_mut().zip(array.iter()).enumerate() {
@@ -156,5 +173,25 @@ fn instance(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     let name = call.string("name")?;
     call.end()?;
     state.builder.instance(&name)?;
+    DONE
+}
+
+fn instances(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let name = call.string("name")?;
+    let given = call.any()?;
+    call.end()?;
+    let matrices = tuples_with::<16>(call, "matrices", given, |name, d| {
+        let twelve = d.read_lock::<Array>().is_some_and(|rows| rows.len() == 12);
+        if !twelve {
+            return tuple(call, name, d).map_err(|e| e.hint(ROW_BY_ROW));
+        }
+        let rows: [f64; 12] = tuple(call, name, d)?;
+        let mut all = [0.0; 16];
+        for (to, x) in all.iter_mut().zip(rows.into_iter().chain([0.0, 0.0, 0.0, 1.0])) {
+            *to = x;
+        }
+        Ok(all)
+    })?;
+    state.builder.instances(&name, &matrices)?;
     DONE
 }
