@@ -57,10 +57,9 @@ const MAY_NAME: [(&str, &[&str]); 17] = [
 const PURE: [&str; 6] = ["scene", "shape", "accel", "render", "math", "color"];
 
 /// What they must not name.
-const IMPURE: [&str; 11] = [
+const IMPURE: [&str; 10] = [
     "rhai",
     "clap",
-    "tobj",
     "std::fs",
     "std::env",
     "std::io",

@@ -1,10 +1,9 @@
-//! The look at an OBJ file before its reader sees it.
+//! An OBJ file, statement by statement: what it holds, once it is known to be right.
 //!
-//! The reader (tobj) knows no lines, takes NaN for a number, lets an index wrap around, makes up an index where a
-//! corner has none, and would open any file a material library names. So every statement is checked here, and
-//! what it gets is a file written anew: finite numbers, absolute indices in range, nothing but vertices and faces.
+//! Every statement is checked as it is read: numbers are finite, indices lie within their lists, and nothing but the
+//! host opens a file.
 
-use std::{borrow::Cow, collections::BTreeMap, fmt::Write};
+use std::{borrow::Cow, collections::BTreeMap};
 
 use super::{
     text::{Source, counted, number, quoted},
@@ -12,27 +11,54 @@ use super::{
 };
 use crate::{
     diag::{Diagnostic, nearest_names},
+    math::{DVec2, DVec3},
     scene::SceneError,
 };
 
 /// A checked OBJ file.
 #[derive(Debug, Default)]
 pub(super) struct Checked<'a> {
-    /// The file for the reader. Its first texture coordinate and its first normal are NaN: they stand where a
-    /// corner has none.
-    pub(super) text: String,
+    /// `v`, divided by its weight where it has one.
+    pub(super) positions: Vec<DVec3>,
+    /// `vt`, without a third number.
+    pub(super) uvs: Vec<DVec2>,
+    /// `vn`, of any length.
+    pub(super) normals: Vec<DVec3>,
+    /// The corners of all faces, face after face.
+    pub(super) corners: Vec<Corner>,
     /// The faces in order.
     pub(super) faces: Vec<Face<'a>>,
     /// The names that `usemtl` gives, each once, and where it stands first.
     pub(super) materials: Vec<(Cow<'a, str>, &'a str)>,
     /// The files that `mtllib` names, and where.
     pub(super) libraries: Vec<(Cow<'a, str>, &'a str)>,
+    /// What the mesh has not.
+    pub(super) unused: Ignored<'a>,
+}
+
+/// What a file may have and a mesh has not.
+#[derive(Debug, Default)]
+pub(super) struct Ignored<'a> {
     /// `l` and `p`.
     pub(super) lines_and_points: Unused<'a>,
     /// Curves and surfaces of the free-form kind.
     pub(super) free_form: Unused<'a>,
     /// Vertices with a color of their own.
     pub(super) colors: Unused<'a>,
+}
+
+/// A corner of a face: indices into the lists of [`Checked`], from 0.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corner {
+    pub(super) position: u32,
+    /// [`Corner::NONE`] where the corner has none.
+    pub(super) uv: u32,
+    /// [`Corner::NONE`] where the corner has none.
+    pub(super) normal: u32,
+}
+
+impl Corner {
+    pub(super) const NONE: u32 = u32::MAX;
 }
 
 /// Where a face stands and what it is made of.
@@ -42,6 +68,8 @@ pub(super) struct Face<'a> {
     pub(super) at: &'a str,
     /// Index into [`Checked::materials`], if a `usemtl` came before.
     pub(super) material: Option<u32>,
+    /// Where its corners end in [`Checked::corners`]; they begin where the last face's end.
+    pub(super) end: usize,
 }
 
 /// Checks a whole file that may have at most `max_triangles`.
@@ -51,10 +79,7 @@ pub(super) struct Face<'a> {
 pub(super) fn check<'a>(source: &Source<'a>, max_triangles: usize) -> Result<Checked<'a>, Diagnostic> {
     let mut guard = Guard {
         source,
-        out: Checked {
-            text: String::with_capacity(source.text.len() + 64),
-            ..Checked::default()
-        },
+        out: Checked::default(),
         lists: LISTS.map(|what| List {
             what,
             len: 0,
@@ -65,7 +90,6 @@ pub(super) fn check<'a>(source: &Source<'a>, max_triangles: usize) -> Result<Che
         material: None,
         material_ids: BTreeMap::new(),
     };
-    guard.out.text.push_str("vt nan nan\nvn nan nan nan\n");
     let mut statements = statements(source);
     while let Some(statement) = statements.next() {
         guard.statement(statement)?;
@@ -110,7 +134,7 @@ impl<'a> Guard<'_, 'a> {
             "vn" => self.numbers(s, NORMALS, (3, 3), "x y z"),
             "f" | "fo" => self.face(s),
             "l" | "p" => {
-                self.out.lines_and_points.add(s.keyword);
+                self.out.unused.lines_and_points.add(s.keyword);
                 Ok(())
             }
             "usemtl" => self.use_material(s),
@@ -120,7 +144,7 @@ impl<'a> Guard<'_, 'a> {
             "vp" | "cstype" | "deg" | "bmat" | "step" | "parm" | "trim" | "hole" | "scrv" | "sp" | "end"
             | "con" | "cdc" | "res" => Ok(()),
             "curv" | "curv2" | "surf" | "bsp" | "bzp" | "cdp" => {
-                self.out.free_form.add(s.keyword);
+                self.out.unused.free_form.add(s.keyword);
                 Ok(())
             }
             _ => Err(self.unknown(s.keyword)),
@@ -143,7 +167,7 @@ impl<'a> Guard<'_, 'a> {
         let keep = match s.args.len() {
             3 | 4 => s.args.len(),
             6 | 7 => {
-                self.out.colors.add(s.keyword);
+                self.out.unused.colors.add(s.keyword);
                 3
             }
             _ => return Err(self.wrong_count(s, "3 numbers (x y z), 4 (x y z w) or 6 (x y z r g b)")),
@@ -166,7 +190,10 @@ impl<'a> Guard<'_, 'a> {
                 ),
             ));
         }
-        self.write("v", s.args.get(..keep).unwrap_or(&[]));
+        let position = DVec3::new(x, y, z);
+        self.out
+            .positions
+            .push(if keep == 4 { position / w } else { position });
         self.count(VERTICES);
         Ok(())
     }
@@ -186,13 +213,15 @@ impl<'a> Guard<'_, 'a> {
             };
             return Err(self.wrong_count(s, &wanted));
         }
-        for word in s.args {
-            self.number(word)?;
+        let mut values = [0.0; 3];
+        for (slot, word) in values.iter_mut().zip(s.args) {
+            *slot = self.number(word)?;
         }
-        match (list, s.args) {
-            (TEXTURE_COORDINATES, [u]) => self.write("vt", &[u, "0"]),
-            (TEXTURE_COORDINATES, [u, v, ..]) => self.write("vt", &[u, v]),
-            (_, args) => self.write("vn", args),
+        let [x, y, z] = values;
+        if list == TEXTURE_COORDINATES {
+            self.out.uvs.push(DVec2::new(x, y));
+        } else {
+            self.out.normals.push(DVec3::new(x, y, z));
         }
         self.count(list);
         Ok(())
@@ -207,7 +236,6 @@ impl<'a> Guard<'_, 'a> {
             let error = SceneError::limit("too many triangles", "primitives", self.max_triangles);
             return Err(self.source.place(error.into(), s.keyword));
         }
-        self.out.text.push('f');
         for corner in s.args {
             let mut indices = [None; 3];
             for (i, part) in corner.split('/').enumerate() {
@@ -221,15 +249,18 @@ impl<'a> Guard<'_, 'a> {
             let [Some(v), vt, vn] = indices else {
                 return Err(self.bad_corner(corner));
             };
-            // The reader's lists begin with the entry that stands for none, so theirs are one further on.
-            let further = |index: Option<usize>| index.map_or(1, |index| index + 1);
-            let written = write!(self.out.text, " {v}/{}/{}", further(vt), further(vn));
-            debug_assert!(written.is_ok(), "a string takes everything");
+            // What no list reaches is refused when the lists are complete.
+            let from_zero = |index: usize| u32::try_from(index - 1).unwrap_or(Corner::NONE);
+            self.out.corners.push(Corner {
+                position: from_zero(v),
+                uv: vt.map_or(Corner::NONE, from_zero),
+                normal: vn.map_or(Corner::NONE, from_zero),
+            });
         }
-        self.out.text.push('\n');
         self.out.faces.push(Face {
             at: s.keyword,
             material: self.material,
+            end: self.out.corners.len(),
         });
         Ok(())
     }
@@ -348,16 +379,6 @@ impl<'a> Guard<'_, 'a> {
             s.keyword,
             format!("{} takes the name of {what}; it has none", s.keyword),
         )
-    }
-
-    fn write(&mut self, keyword: &str, args: &[&str]) {
-        let text = &mut self.out.text;
-        text.push_str(keyword);
-        for arg in args {
-            text.push(' ');
-            text.push_str(arg);
-        }
-        text.push('\n');
     }
 
     fn count(&mut self, list: usize) {

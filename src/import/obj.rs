@@ -5,7 +5,7 @@ use std::{borrow::Cow, sync::Arc};
 use super::{
     assembly,
     assets::Assets,
-    guard::{self, Checked},
+    guard::{self, Checked, Ignored},
     look,
     mtl::{self, Library},
     text::{Source, counted, quoted},
@@ -73,15 +73,15 @@ fn load(
         checked.faces.iter_mut().for_each(|face| face.material = None);
         Vec::new()
     };
-    let mesh = assembly::mesh(&source, &checked, &materials, assets, builder)?;
-    warn(&source, &checked, builder);
-    let mesh = Arc::new(mesh);
+    let unused = std::mem::take(&mut checked.unused);
+    let mesh = Arc::new(assembly::mesh(&source, checked, &materials, assets, builder)?);
+    warn(&source, &unused, builder);
     assets.keep_mesh(path, light, &mesh);
     Ok(mesh)
 }
 
 /// What the file has and the mesh has not.
-fn warn(source: &Source<'_>, checked: &Checked<'_>, builder: &mut Builder) {
+fn warn(source: &Source<'_>, checked: &Ignored<'_>, builder: &mut Builder) {
     let lines_and_points = |n| {
         format!(
             "{} left out: only faces are drawn",
