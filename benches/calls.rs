@@ -56,7 +56,7 @@ fn cpu_seconds() -> f64 {
 /// One way to run a loop.
 enum Runner {
     Engine(Box<Engine>, AST),
-    Script(Script),
+    Script(Box<Script>),
 }
 
 impl Runner {
@@ -64,7 +64,9 @@ impl Runner {
         match kind {
             "bare" => Self::engine(false, source),
             "limited" => Self::engine(true, source),
-            _ => Self::Script(Script::compile("calls.rhai", source, &Limits::default()).unwrap()),
+            _ => Self::Script(Box::new(
+                Script::compile("calls.rhai", source, &Limits::default()).unwrap(),
+            )),
         }
     }
 
