@@ -443,6 +443,6 @@ mod tests {
         let scale = 1e-12;
         let [a, b, c] = points.map(|p| p * scale);
         let ray = Ray::new(DVec3::new(-0.5, 2.0, 1.5) * scale, DVec3::X);
-        assert_eq!(TriangleRay::new(&ray).intersect(a, b, c), None);
+        assert_eq!(TriangleRay::new(&ray).intersect([&a, &b, &c]), None);
     }
 }
