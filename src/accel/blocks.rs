@@ -188,25 +188,52 @@ impl Spheres {
         self.ids[lane] = id;
     }
 
-    /// Lanes whose sphere comes within reach of the ray before `t_bound`: the distance from center to line is
-    /// taken from a vector, not from a difference of squares, which would lose small spheres far away.
+    /// Lanes whose sphere comes within reach of the ray, and lanes that are hit for certain: the distance from
+    /// center to line is taken from a vector, not from a difference of squares, which would lose small spheres
+    /// far away. For certain the first crossing lies between the sphere's near end and the point nearest to its
+    /// center, the second between that and the far end.
     #[inline(always)]
     #[must_use]
-    pub fn possible<L: Lanes>(&self, lanes: L, ray: &RayBlock, about: &RaySphere, range: Range) -> u32 {
+    pub fn candidates<L: Lanes>(
+        &self,
+        lanes: L,
+        ray: &RayBlock,
+        about: &RaySphere,
+        range: Range,
+    ) -> [u32; 2] {
         let d = [0, 1, 2].map(|k| F4::splat(ray.dir[k]));
         let f = [0, 1, 2].map(|k| F4::from_array(self.center[k]).sub(F4::splat(ray.origin[k])));
         let t = dot(lanes, f, d).mul(F4::splat(about.inverse_dd));
-        let l = [0, 1, 2].map(|k| f[k].sub(d[k].mul(t)));
-        let reach = F4::from_array(self.radius).add(F4::splat(about.slack));
+        let l = [
+            lanes.mul_sub4(d[0], t, f[0]),
+            lanes.mul_sub4(d[1], t, f[1]),
+            lanes.mul_sub4(d[2], t, f[2]),
+        ];
+        let aside2 = dot(lanes, l, l);
+        let radius = F4::from_array(self.radius);
+        let slack = F4::splat(about.slack);
+        let reach = radius.add(slack);
         let around = reach.mul(F4::splat(about.inverse_length));
+        let (near, far) = (t.sub(around), t.add(around));
+        let bound = F4::splat(range.bound);
         let outside = reach
             .mul(reach)
-            .below(dot(lanes, l, l))
-            .or(t.add(around).below(F4::splat(range.possible)))
-            .or(F4::splat(range.bound).below(t.sub(around)))
+            .below(aside2)
+            .or(far.below(F4::splat(range.possible)))
+            .or(bound.below(near))
             // An empty lane's negative radius has the top bit.
-            .or(F4::from_array(self.radius));
-        !outside.bits() & 15
+            .or(radius);
+        let possible = !outside.bits() & 15;
+        if possible == 0 {
+            return [0; 2];
+        }
+        let core = radius.mul(F4::splat(1.0 - 4e-6)).sub(slack);
+        let inside = aside2.below(core.mul(core)).and(F4::splat(0.0).below(core));
+        let give = slack.mul(F4::splat(about.inverse_length));
+        let [least, most] = range.certain.map(F4::splat);
+        let first = least.below(near).and(t.add(give).below(most));
+        let second = least.below(t.sub(give)).and(far.below(most));
+        [possible, inside.and(first.or(second)).bits() & possible]
     }
 }
 
@@ -298,9 +325,9 @@ mod tests {
     }
 
     #[test]
-    fn no_sphere_that_f64_hits_is_dropped() {
+    fn no_sphere_that_f64_hits_is_dropped_and_what_is_certain_is_hit() {
         let mut next = random();
-        let (mut hits, mut dropped) = (0, 0);
+        let (mut hits, mut certain, mut dropped) = (0, 0, 0);
         for round in 0..100_000 {
             let scale = [1.0, 1e-6, 1e6, 1e12][round % 4];
             let mut vector = |k: f64| DVec3::new(next(), next(), next()) * k;
@@ -322,14 +349,21 @@ mod tests {
             let mut block = Spheres::EMPTY;
             block.set(1, 3, center, radius);
             let prepared = RayBlock::new(&Ray32::new(&ray), (max_abs(center) + radius) as f32);
-            let possible = block.possible(Portable, &prepared, &RaySphere::new(&prepared), EVERYWHERE);
+            let [possible, sure] =
+                block.candidates(Portable, &prepared, &RaySphere::new(&prepared), EVERYWHERE);
             assert_eq!(possible & !2, 0, "an empty lane is never possible");
             if Sphere::roots(center, radius, &ray).is_some_and(|(_, t1)| t1 > 0.0) {
                 hits += 1;
                 assert_ne!(possible, 0, "round {round}: {ray:?} {center} {radius}");
+            } else {
+                assert_eq!(sure, 0, "round {round}: {ray:?} {center} {radius}");
             }
+            certain += sure.count_ones();
             dropped += u32::from(possible == 0);
         }
-        assert!(hits > 20_000 && dropped > 3_000, "{hits} {dropped}");
+        assert!(
+            hits > 20_000 && certain > 10_000 && dropped > 3_000,
+            "{hits} {certain} {dropped}"
+        );
     }
 }

@@ -375,7 +375,15 @@ impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
             return Control::Continue;
         };
         let range = Range { bound, ..self.range };
-        for lane in lanes_of(block.possible(lanes, &self.ray_block, ray, range)) {
+        let [possible, certain] = block.candidates(lanes, &self.ray_block, ray, range);
+        if ANY && certain != 0 {
+            let first = self.level.triangles.len() as u32;
+            let blocks = |index: u32| index != self.start && !self.level.may_be_transparent(index);
+            if lanes_of(certain).any(|lane| blocks(first + block.ids[lane])) {
+                return Control::Stop;
+            }
+        }
+        for lane in lanes_of(possible) {
             if self.sphere(block.ids[lane]) == Control::Stop {
                 return Control::Stop;
             }
