@@ -71,11 +71,9 @@ impl Format {
 pub fn encode_into(image: &Image, format: Format, out: &mut impl Write) -> io::Result<()> {
     let (width, height, pixels) = (image.width(), image.height(), image.rgb8());
     match format {
-        Format::Png => {
-            PngEncoder::new_with_quality(&mut *out, CompressionType::Default, FilterType::Adaptive)
-                .write_image(&pixels, width, height, ExtendedColorType::Rgb8)
-                .map_err(into_io)?
-        }
+        Format::Png => PngEncoder::new_with_quality(&mut *out, CompressionType::Fast, FilterType::Adaptive)
+            .write_image(&pixels, width, height, ExtendedColorType::Rgb8)
+            .map_err(into_io)?,
         Format::Jpeg => JpegEncoder::new_with_quality(&mut *out, JPEG_QUALITY)
             .write_image(&pixels, width, height, ExtendedColorType::Rgb8)
             .map_err(into_io)?,
