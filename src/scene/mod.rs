@@ -169,3 +169,6 @@ const _: fn() = || {
     fn is_send_sync<T: Send + Sync>() {}
     is_send_sync::<Scene>();
 };
+
+// Scenes have millions of objects: one with a matrix of its own takes at most this many bytes.
+const _: () = assert!(size_of::<Object>() + size_of::<DAffine3>() <= 152);

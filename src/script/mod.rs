@@ -38,7 +38,7 @@ use crate::{
     scene::Scene,
 };
 use link::{Remote, StopOnDrop, serve};
-use session::{Session, Source, State};
+use session::{Source, State};
 use value::ScriptError;
 
 /// Stack of the script's thread. Rhai walks its syntax tree by recursion, and drops chains of closures so.
@@ -174,13 +174,13 @@ impl Script {
             d.hints = e.hints;
             return Err(d.into());
         }
-        let session = Session::begin(state);
+        session::begin(state);
         let engine = engine::runner(&self.limits).map_err(|e| internal(self.name(), &e.message))?;
         let mut scope = Scope::new();
         let result = engine.run_ast_with_scope(&mut scope, &self.ast);
         // Values of the script go before its thread does: only here is the stack deep enough for any of them.
         drop((scope, engine));
-        let Some(mut state) = session.end() else {
+        let Some(mut state) = session::end() else {
             return Err(internal(self.name(), "a run without a state"));
         };
         let result = match (result, state.ended.take()) {

@@ -163,36 +163,15 @@ pub(crate) fn with_state<T>(f: impl FnOnce(&mut State) -> T) -> Option<T> {
     RUN.with(|run| run.try_borrow_mut().ok()?.as_deref_mut().map(f))
 }
 
-/// A run on the current thread, for as long as it lives.
-pub(super) struct Session {
-    /// The run that goes on afterwards, where a host runs a script from within a script.
-    outer: Option<Box<State>>,
-    has_ended: bool,
+/// Makes `state` that of the script that the current thread is about to run. The thread is the script's own, so
+/// that a panic ends both.
+pub(super) fn begin(state: State) {
+    RUN.with(|run| run.replace(Some(Box::new(state))));
 }
 
-impl Session {
-    /// Makes `state` that of the current thread.
-    pub(super) fn begin(state: State) -> Self {
-        let outer = RUN.with(|run| run.replace(Some(Box::new(state))));
-        Self {
-            outer,
-            has_ended: false,
-        }
-    }
-
-    /// Ends the run and hands over what it leaves.
-    pub(super) fn end(mut self) -> Option<Box<State>> {
-        self.has_ended = true;
-        RUN.with(|run| run.replace(self.outer.take()))
-    }
-}
-
-impl Drop for Session {
-    fn drop(&mut self) {
-        if !self.has_ended {
-            drop(RUN.with(|run| run.replace(self.outer.take())));
-        }
-    }
+/// Ends the run of the current thread and hands over what it leaves.
+pub(super) fn end() -> Option<Box<State>> {
+    RUN.with(|run| run.take())
 }
 
 /// Prints a line for the script.
