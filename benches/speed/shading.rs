@@ -29,7 +29,7 @@ const LIGHTS: &str = r"
 const GLASS: &str = r"
     maxDepth(7);
     light([4, 6, 5], [0.9, 0.9, 0.9]);
-    material(#{ diffuse: [0.05, 0.05, 0.05], reflection: [0.1, 0.1, 0.1], transmission: [0.9, 0.9, 0.9] });
+    material(#{ ambient: [0, 0, 0], diffuse: [0.05, 0.05, 0.05], reflection: [0.1, 0.1, 0.1], transmission: [0.9, 0.9, 0.9] });
     things();
     translate(0, 0, -2);
     things();
