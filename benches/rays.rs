@@ -57,13 +57,14 @@ fn read_rays(path: &str) -> Vec<(Ray, f64)> {
         .collect()
 }
 
+fn hash(x: u32) -> u32 {
+    let x = x.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+    let word = ((x >> ((x >> 28) + 4)) ^ x).wrapping_mul(277_803_737);
+    (word >> 22) ^ word
+}
+
 /// The same rays in an order without any neighbors: the worst case for caches.
 fn shuffle(rays: &mut [(Ray, f64)]) {
-    let hash = |x: u32| {
-        let x = x.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-        let word = ((x >> ((x >> 28) + 4)) ^ x).wrapping_mul(277_803_737);
-        (word >> 22) ^ word
-    };
     for i in (2..=rays.len()).rev() {
         rays.swap(i - 1, hash(i as u32) as usize % i);
     }
@@ -88,6 +89,67 @@ fn build(scene: &Scene, triangles: usize, reps: usize) -> World<'_> {
     world
 }
 
+/// From every 64th point that the camera sees, 8 x 8 jittered samples of a square light around the point light of
+/// the shadow rays; its edge is a tenth of the distance to the first point it lights.
+fn area_light(world: &World<'_>, primary: &[(Ray, f64)], shadow: &[(Ray, f64)]) -> Vec<(Ray, f64)> {
+    let Some((to_light, reach)) = shadow.first() else {
+        return Vec::new();
+    };
+    let light = to_light.at(*reach);
+    let edge = 0.1 * (light - to_light.origin).length();
+    let mut area = Vec::new();
+    for (i, (ray, _)) in primary.iter().enumerate().step_by(64) {
+        let Some((t, _)) = world.nearest_t(ray, f64::INFINITY) else {
+            continue;
+        };
+        let start = ray.at(t * (1.0 - 1e-6));
+        for cell in 0..64 {
+            let jitter = |salt: u32| f64::from(hash(hash(i as u32 * 64 + cell) ^ salt)) / 4_294_967_296.0;
+            let (u, v) = (f64::from(cell % 8) + jitter(1), f64::from(cell / 8) + jitter(2));
+            let sample = light + DVec3::new(u / 8.0 - 0.5, 0.0, v / 8.0 - 0.5) * edge;
+            let distance = (sample - start).length();
+            let towards = Ray::new(start, (sample - start) / distance);
+            area.push((towards, distance * (1.0 - 1e-7)));
+        }
+    }
+    area
+}
+
+/// What is asked about rays.
+#[derive(Clone, Copy, PartialEq)]
+enum Question {
+    Nearest,
+    Any,
+    NearestInPackets,
+    AnyInPackets,
+}
+
+fn hits(world: &World<'_>, rays: &[(Ray, f64)], question: Question) -> usize {
+    let in_packets = |chunk: &[(Ray, f64)]| {
+        let (rays, t_max): (Vec<Ray>, Vec<f64>) = chunk.iter().copied().unzip();
+        if question == Question::AnyInPackets {
+            return world
+                .are_occluded(&rays, &t_max)
+                .iter()
+                .filter(|hit| **hit)
+                .count();
+        }
+        let farthest = t_max.iter().copied().fold(0.0, f64::max);
+        world.nearest_t_many(&rays, farthest).iter().flatten().count()
+    };
+    match question {
+        Question::Nearest => rays
+            .iter()
+            .filter(|(ray, t_max)| world.nearest_t(ray, *t_max).is_some())
+            .count(),
+        Question::Any => rays
+            .iter()
+            .filter(|(ray, t_max)| world.is_occluded(ray, *t_max))
+            .count(),
+        _ => rays.chunks(1024).map(in_packets).sum(),
+    }
+}
+
 fn main() {
     let (args, reps) = arguments(3);
     let [mesh_path, ray_dir] = &args[..] else {
@@ -99,31 +161,26 @@ fn main() {
     b.mesh(&mesh).unwrap();
     let scene = b.finish().value;
     let world = build(&scene, mesh.triangles.len(), reps);
-    for (file, set, any) in [
-        ("primary", "primary", false),
-        ("ao", "ao", false),
-        ("ao", "ao-any", true),
-        ("ao", "ao-shuffled", false),
-        ("shadow", "shadow", true),
+    let read = |set: &str| read_rays(&format!("{ray_dir}/{}.{set}.rays", mesh.name));
+    let (primary, ao, shadow) = (read("primary"), read("ao"), read("shadow"));
+    let mut shuffled = ao.clone();
+    shuffle(&mut shuffled);
+    let area = area_light(&world, &primary, &shadow);
+    for (set, rays, question) in [
+        ("primary", &primary, Question::Nearest),
+        ("ao", &ao, Question::Nearest),
+        ("ao-any", &ao, Question::Any),
+        ("ao-shuffled", &shuffled, Question::Nearest),
+        ("shadow", &shadow, Question::Any),
+        ("area", &area, Question::Any),
+        ("primary-packet", &primary, Question::NearestInPackets),
+        ("area-packet", &area, Question::AnyInPackets),
     ] {
-        let mut rays = read_rays(&format!("{ray_dir}/{}.{file}.rays", mesh.name));
-        if set == "ao-shuffled" {
-            shuffle(&mut rays);
-        }
-        let shoot = || {
-            let hit = |(ray, t_max): &&(Ray, f64)| {
-                if any {
-                    world.is_occluded(ray, *t_max)
-                } else {
-                    world.nearest_t(ray, *t_max).is_some()
-                }
-            };
-            rays.iter().filter(hit).count()
-        };
-        let hits = shoot();
+        let shoot = || hits(&world, rays, question);
+        let met = shoot();
         let times = (0..reps).map(|_| timed(shoot).0).collect();
         println!(
-            "{set},{:.3},{hits},{}",
+            "{set},{:.3},{met},{}",
             rays.len() as f64 / median(times) * 1e-6,
             rays.len()
         );

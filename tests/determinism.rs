@@ -1,5 +1,5 @@
 //! One hash everywhere: every scene of the corpus gives the pixels of its snapshot, with any number of threads,
-//! twice in a row, in this build. `.ci/run` runs this in debug, in release, and in release with plain instructions
+//! in packets and ray by ray, twice in a row, in this build. `.ci/run` runs this in debug, in release, and in release with plain instructions
 //! only (`RTSCRIPT_SIMD=portable`), so that all agree with the same snapshots and therefore with each other.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
@@ -21,7 +21,7 @@ fn recorded_hash(scene: &Path) -> Option<String> {
 }
 
 #[test]
-fn every_scene_gives_its_hash_with_any_number_of_threads_and_again() {
+fn every_scene_gives_its_hash_with_any_number_of_threads_in_packets_and_alone() {
     let scenes = find_scenes(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenes")).unwrap();
     let mut compared = 0;
     let mut wrong = Vec::new();
@@ -29,12 +29,16 @@ fn every_scene_gives_its_hash_with_any_number_of_threads_and_again() {
         let Some(expected) = recorded_hash(scene) else {
             continue;
         };
-        for threads in [1, 2, 7, 7] {
+        for (threads, single_rays) in [(1, false), (1, true), (2, false), (7, false), (7, false)] {
             let mut options = RunOptions::default();
             options.render.threads = threads;
+            options.render.single_rays = single_rays;
             let hash = render_file(scene, &options).unwrap().image.hash();
             if hash != expected {
-                wrong.push(format!("{} with {threads} threads: {hash}", scene.display()));
+                let scene = scene.display();
+                wrong.push(format!(
+                    "{scene} with {threads} threads, single rays {single_rays}: {hash}"
+                ));
             }
             compared += 1;
         }

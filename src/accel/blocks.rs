@@ -62,10 +62,10 @@ impl Candidates {
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(16))]
 pub struct Triangles {
-    corner: [[f32; BLOCK]; 3],
-    edge1: [[f32; BLOCK]; 3],
-    edge2: [[f32; BLOCK]; 3],
-    extent: [f32; BLOCK],
+    pub(super) corner: [[f32; BLOCK]; 3],
+    pub(super) edge1: [[f32; BLOCK]; 3],
+    pub(super) edge2: [[f32; BLOCK]; 3],
+    pub(super) extent: [f32; BLOCK],
     /// Triangle indices; [`NONE`] in empty lanes.
     pub ids: [u32; BLOCK],
 }
@@ -165,8 +165,8 @@ impl Triangles {
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(16))]
 pub struct Spheres {
-    center: [[f32; BLOCK]; 3],
-    radius: [f32; BLOCK],
+    pub(super) center: [[f32; BLOCK]; 3],
+    pub(super) radius: [f32; BLOCK],
     /// Sphere indices; [`NONE`] in empty lanes.
     pub ids: [u32; BLOCK],
 }

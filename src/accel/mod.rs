@@ -9,6 +9,7 @@ mod boxes;
 mod build;
 mod four;
 mod lanes;
+mod packet;
 mod ray;
 mod traverse;
 
@@ -16,5 +17,6 @@ pub use blocks::{BLOCK, Candidates, NONE, Range, Spheres, Triangles};
 pub use boxes::{Box32, Child, LeafKind, round_down, round_up};
 pub use build::{Bvh, Kinds, Primitive};
 pub use lanes::{Lanes, Simd, prefetch};
+pub use packet::{DONE, Decide, PACKET, Place, RayPacket, Search, rays};
 pub use ray::{Ray32, RayBlock, RayBox, RaySphere};
 pub use traverse::{Control, Visitor};

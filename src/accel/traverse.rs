@@ -260,6 +260,12 @@ impl Bvh {
             }
         }
     }
+    /// Asks for the memory of a node before it is needed.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, child: Child) {
+        let nodes = self.nodes.as_ptr().cast();
+        prefetch_child(child, (nodes, size_of::<Node>()), (nodes, 0));
+    }
 }
 
 /// Asks for the memory of a node or a leaf before it is needed. `nodes` and `blocks` are the addresses of the

@@ -237,6 +237,7 @@ fn run_options(args: &RenderArgs) -> RunOptions {
         seed: args.seed,
         render: RenderOptions {
             threads: args.threads.map_or(0, usize::from),
+            ..RenderOptions::default()
         },
     }
 }

@@ -72,10 +72,11 @@ const LEAST_WEIGHT: f64 = 1.0 / (1 << 20) as f64;
 /// Points of one sample between two looks at the interrupt.
 const POINTS_PER_POLL: u64 = 64;
 
-/// Light along a camera ray.
+/// Light along a camera ray that meets `first`.
 pub(super) fn radiance(
     world: &World<'_>,
-    ray: Ray,
+    probe: Probe,
+    first: Option<Hit>,
     sampler: Sampler,
     interrupt: &Interrupt<'_>,
     counts: &mut Counts,
@@ -88,17 +89,21 @@ pub(super) fn radiance(
     };
     let mut sum = Color::ZERO;
     let mut stack = [Pending {
-        probe: Probe::from_space(ray),
+        probe,
         weight: Color::ONE,
         depth: 0,
     }; STACK];
     let mut waiting = 1;
+    let mut known = Some(first);
     counts.camera += 1;
     while waiting > 0 {
         waiting -= 1;
         let Pending { probe, weight, depth } = stack[waiting];
         let ray = probe.ray;
-        let Some((hit, at)) = seen(world, &probe) else {
+        let hit = known
+            .take()
+            .unwrap_or_else(|| world.nearest(&probe, f64::INFINITY));
+        let Some((hit, at)) = hit.and_then(|hit| seen(world, &probe, hit)) else {
             sum += weight * settings.background;
             continue;
         };
@@ -145,11 +150,10 @@ pub(super) fn radiance(
     }
 }
 
-/// What a ray meets. Where something transparent touches something opaque, as a block of glass touches the table it
+/// What a ray sees that meets `hit`. Where something transparent touches something opaque, as a block of glass touches the table it
 /// stands on, that is the opaque one: it would be seen through the other anyway, and which of the two is nearer
 /// is a matter of rounding.
-fn seen<'s>(world: &World<'s>, probe: &Probe) -> Option<(Hit, SurfacePoint<'s>)> {
-    let hit = world.nearest(probe, f64::INFINITY)?;
+fn seen<'s>(world: &World<'s>, probe: &Probe, hit: Hit) -> Option<(Hit, SurfacePoint<'s>)> {
     let at = world.surface(&hit, &probe.ray)?;
     if at.material.transmission.is_black() {
         return Some((hit, at));

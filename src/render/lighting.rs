@@ -2,7 +2,7 @@
 
 use super::{
     integrator::{Counts, Path},
-    world::{Blocker, Probe, SurfacePoint, World},
+    world::{Blocker, PACKET, Probe, SurfacePoint, World},
 };
 use crate::{
     color::Color,
@@ -42,8 +42,11 @@ pub(super) fn direct(
     }
     let to_eye = eye - at.position;
     let to_eye = to_eye / to_eye.length();
+    let shade = Shade { world, at, number };
+    let mut waiting = Vec::new();
     for (index, light) in world.scene.root().lights.iter().enumerate() {
-        if matches!(light.kind, LightKind::Area { .. }) && path.interrupt.poll() {
+        let is_area = matches!(light.kind, LightKind::Area { .. });
+        if is_area && path.interrupt.poll() {
             return Color::ZERO;
         }
         for_each_sample(light, index as u64, at.position, path, |sample| {
@@ -51,9 +54,18 @@ pub(super) fn direct(
             if response == Color::ZERO {
                 return;
             }
-            let visible = visibility(world, at, number, &sample, counts);
-            sum += visible * sample.arriving * response;
+            counts.shadow += 1;
+            if !is_area {
+                let found = world.blocker(&shade.probe(&sample), reach(&sample));
+                sum += shade.visible(&sample, found) * sample.arriving * response;
+                return;
+            }
+            waiting.push((sample, response));
+            if waiting.len() == PACKET {
+                shade.add_together(&mut sum, &mut waiting);
+            }
         });
+        shade.add_together(&mut sum, &mut waiting);
     }
     sum
 }
@@ -128,24 +140,49 @@ fn respond(at: &SurfacePoint<'_>, to_eye: DVec3, sample: &LightSample, gloss: &G
     response
 }
 
-/// The share of light that comes through: 0 behind anything opaque, the product of Kt of the transparent
-/// surfaces in between otherwise.
-fn visibility(
-    world: &World<'_>,
-    at: &SurfacePoint<'_>,
+/// How far a shadow ray looks: a light may lie in the very surface that shows where it is, so it stops short of it.
+fn reach(sample: &LightSample) -> f64 {
+    sample.distance * (1.0 - 1e-7)
+}
+
+/// The point whose shadow rays are traced.
+struct Shade<'a, 's> {
+    world: &'a World<'s>,
+    at: &'a SurfacePoint<'s>,
     number: u64,
-    sample: &LightSample,
-    counts: &mut Counts,
-) -> Color {
-    counts.shadow += 1;
-    // A light may lie in the very surface that shows where it is: stop short of it.
-    let mut rest = sample.distance * (1.0 - 1e-7);
-    let mut probe = Probe::from_surface(Ray::new(at.position, sample.direction), number, at.scale);
-    match world.blocker(&probe, rest) {
-        Blocker::None => return Color::ONE,
-        Blocker::Opaque => return Color::ZERO,
-        Blocker::Transparent => {}
+}
+
+impl Shade<'_, '_> {
+    fn probe(&self, sample: &LightSample) -> Probe {
+        let ray = Ray::new(self.at.position, sample.direction);
+        Probe::from_surface(ray, self.number, self.at.scale)
     }
+
+    /// The share of a sample's light that comes through where this was `found` in between.
+    fn visible(&self, sample: &LightSample, found: Blocker) -> Color {
+        match found {
+            Blocker::None => Color::ONE,
+            Blocker::Opaque => Color::ZERO,
+            Blocker::Transparent => through(self.world, self.probe(sample), reach(sample)),
+        }
+    }
+
+    /// Adds up to [`PACKET`] waiting samples and their responses to `sum`, in order; their shadow rays are traced
+    /// together.
+    fn add_together(&self, sum: &mut Color, waiting: &mut Vec<(LightSample, Color)>) {
+        let probes: Vec<Probe> = waiting.iter().map(|(sample, _)| self.probe(sample)).collect();
+        let reaches: Vec<f64> = waiting.iter().map(|(sample, _)| reach(sample)).collect();
+        let mut found = vec![Blocker::None; waiting.len()];
+        self.world.blockers(&probes, &reaches, &mut found);
+        for ((sample, response), found) in waiting.drain(..).zip(found) {
+            *sum += self.visible(&sample, found) * sample.arriving * response;
+        }
+    }
+}
+
+/// The product of Kt of the transparent surfaces that a ray meets; 0 behind anything opaque.
+fn through(world: &World<'_>, mut probe: Probe, mut rest: f64) -> Color {
+    let dir = probe.ray.dir;
     let mut through = Color::ONE;
     // Each turn passes one transparent surface. Nobody looks through more than these.
     for _ in 0..1024 {
@@ -160,11 +197,7 @@ fn visibility(
             return through;
         }
         rest -= hit.t;
-        probe = Probe::from_surface(
-            Ray::new(surface.position, sample.direction),
-            hit.number,
-            surface.scale,
-        );
+        probe = Probe::from_surface(Ray::new(surface.position, dir), hit.number, surface.scale);
     }
     Color::ZERO
 }

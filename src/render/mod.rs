@@ -25,6 +25,8 @@ use crate::{
 pub struct RenderOptions {
     /// Threads; 0 takes the rayon pool the call is made in.
     pub threads: usize,
+    /// Traces every ray alone, which is slower, never in a packet with its neighbors; for tests that compare.
+    pub single_rays: bool,
 }
 
 /// How far a render is.
@@ -85,7 +87,7 @@ pub struct Rendered {
 /// `Cancelled` where the host asks to stop, `Limit` where instancing multiplies past 2^62 primitives.
 pub fn render(scene: &Scene, options: &RenderOptions, host: &dyn Host) -> Result<Report<Rendered>, Error> {
     if options.threads == 0 {
-        return render_here(scene, host);
+        return render_here(scene, options, host);
     }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads)
@@ -96,13 +98,14 @@ pub fn render(scene: &Scene, options: &RenderOptions, host: &dyn Host) -> Result
                 format!("cannot start {} threads: {e}", options.threads),
             )
         })?;
-    pool.install(|| render_here(scene, host))
+    pool.install(|| render_here(scene, options, host))
 }
 
 /// Renders on the threads of the current pool.
-fn render_here(scene: &Scene, host: &dyn Host) -> Result<Report<Rendered>, Error> {
+fn render_here(scene: &Scene, options: &RenderOptions, host: &dyn Host) -> Result<Report<Rendered>, Error> {
     let compiling = Stopwatch::start();
-    let world = World::compile(scene)?;
+    let mut world = World::compile(scene)?;
+    world.packets = !options.single_rays;
     let compile = compiling.elapsed();
     let tracing = Stopwatch::start();
     let Some((image, counts)) = tiles::trace(&world, host) else {

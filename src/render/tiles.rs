@@ -13,7 +13,7 @@ use super::{
     integrator::{self, Counts},
     interrupt::Interrupt,
     sampler::{Sampler, stratified},
-    world::World,
+    world::{PACKET, Probe, World},
 };
 use crate::{color::Color, host::Host, scene::CameraFrame};
 
@@ -46,12 +46,14 @@ pub(super) fn trace(world: &World<'_>, host: &dyn Host) -> Option<(Image, Counts
                     }
                     let (x0, columns) = (column * TILE, TILE.min(s.width - column * TILE));
                     let mut own = Counts::default();
-                    let tile: Vec<[f64; 3]> = (0..rows * columns)
-                        .map(|i| {
-                            let at = (x0 + i % columns, y0 + i / columns);
-                            pixel(world, &frame, at, &interrupt, &mut own).to_array()
-                        })
-                        .collect();
+                    let tile = Tile {
+                        world,
+                        frame: &frame,
+                        interrupt: &interrupt,
+                        at: (x0, y0),
+                        size: (columns, rows),
+                    }
+                    .trace(&mut own);
                     let finished = u64::from(rows * columns);
                     let progress = Progress {
                         done: done.fetch_add(finished, Ordering::Relaxed) + finished,
@@ -83,24 +85,77 @@ pub(super) fn trace(world: &World<'_>, host: &dyn Host) -> Option<(Image, Counts
 /// Samples of one pixel between two looks at the interrupt.
 const SAMPLES_PER_POLL: u32 = 16;
 
-/// The mean of a pixel's samples, summed in order.
-fn pixel(
-    world: &World<'_>,
-    frame: &CameraFrame,
-    (x, y): (u32, u32),
-    interrupt: &Interrupt<'_>,
-    counts: &mut Counts,
-) -> Color {
-    let s = &world.scene.settings;
-    let mut sum = Color::ZERO;
-    for index in 0..s.samples {
-        if index % SAMPLES_PER_POLL == SAMPLES_PER_POLL - 1 && interrupt.poll() {
-            break;
+/// Part of the picture.
+struct Tile<'a> {
+    world: &'a World<'a>,
+    frame: &'a CameraFrame,
+    interrupt: &'a Interrupt<'a>,
+    /// The pixel in its upper left corner.
+    at: (u32, u32),
+    /// Columns and rows.
+    size: (u32, u32),
+}
+
+impl Tile<'_> {
+    /// All pixels, row by row. They are traced in squares whose camera rays fill a packet: the smaller the square, the
+    /// closer the rays.
+    fn trace(&self, counts: &mut Counts) -> Vec<[f64; 3]> {
+        let (columns, rows) = self.size;
+        let edge = [8, 4, 2, 1]
+            .into_iter()
+            .find(|edge| edge * edge * self.world.scene.settings.samples as usize <= PACKET)
+            .unwrap_or(1);
+        let mut pixels = vec![[0.0; 3]; (columns * rows) as usize];
+        for top in (0..rows).step_by(edge) {
+            for left in (0..columns).step_by(edge) {
+                let width = (edge as u32).min(columns - left);
+                let square: Vec<(u32, u32)> = (0..width * (edge as u32).min(rows - top))
+                    .map(|i| (left + i % width, top + i / width))
+                    .collect();
+                for (&(x, y), mean) in square.iter().zip(self.square(&square, counts)) {
+                    pixels[(y * columns + x) as usize] = mean.to_array();
+                }
+            }
         }
+        pixels
+    }
+
+    /// The mean of each pixel's samples, summed in order.
+    fn square(&self, pixels: &[(u32, u32)], counts: &mut Counts) -> [Color; PACKET] {
+        let s = &self.world.scene.settings;
+        let mut sums = [Color::ZERO; PACKET];
+        let at_once = (PACKET / pixels.len().max(1)) as u32;
+        for first in (0..s.samples).step_by(at_once.max(1) as usize) {
+            let indices = first..s.samples.min(first + at_once);
+            let shots: Vec<(Probe, Sampler)> = pixels
+                .iter()
+                .flat_map(|&pixel| indices.clone().map(move |index| self.shot(pixel, index)))
+                .collect();
+            let probes: Vec<Probe> = shots.iter().map(|(probe, _)| *probe).collect();
+            let mut hits = [None; PACKET];
+            let hits = &mut hits[..probes.len()];
+            self.world.nearest_many(&probes, f64::INFINITY, hits);
+            let mut shots = shots.iter().zip(hits);
+            for sum in &mut sums[..pixels.len()] {
+                for (index, ((probe, sampler), hit)) in indices.clone().zip(&mut shots) {
+                    let polls = index % SAMPLES_PER_POLL == SAMPLES_PER_POLL - 1;
+                    if polls && self.interrupt.poll() {
+                        return sums;
+                    }
+                    *sum += integrator::radiance(self.world, *probe, *hit, *sampler, self.interrupt, counts);
+                }
+            }
+        }
+        sums.map(|sum| sum / f64::from(s.samples))
+    }
+
+    /// The camera ray of a pixel's sample.
+    fn shot(&self, (x, y): (u32, u32), index: u32) -> (Probe, Sampler) {
+        let s = &self.world.scene.settings;
+        let (x, y) = (self.at.0 + x, self.at.1 + y);
         let sampler = Sampler::new(s.seed, x, y, index);
         let (dx, dy) = stratified(index, s.samples, |dimension| sampler.get(dimension));
-        let ray = frame.ray(f64::from(x) + dx, f64::from(y) + dy);
-        sum += integrator::radiance(world, ray, sampler, interrupt, counts);
+        let ray = self.frame.ray(f64::from(x) + dx, f64::from(y) + dy);
+        (Probe::from_space(ray), sampler)
     }
-    sum / f64::from(s.samples)
 }

@@ -20,6 +20,7 @@ mod sphere;
 mod suite;
 mod torus;
 pub mod triangle;
+pub(crate) mod triangles;
 mod triangulate;
 
 pub use cone::Cone;

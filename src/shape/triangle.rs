@@ -50,14 +50,7 @@ impl TriangleRay {
     #[must_use]
     pub fn new(ray: &Ray) -> Self {
         let d = ray.dir;
-        let [x, y, z] = d.abs().to_array();
-        let axes = if x >= y && x >= z {
-            [1, 2, 0]
-        } else if y >= z {
-            [2, 0, 1]
-        } else {
-            [0, 1, 2]
-        };
+        let axes = Self::axes(d);
         let [dx, dy, dz] = ordered(axes, &d);
         // Under an infinite direction every t would be 0; NaN makes it miss, as it does without a direction.
         let dz = if d.is_finite() { dz } else { f64::NAN };
@@ -66,6 +59,20 @@ impl TriangleRay {
             origin: ordered(axes, &ray.origin),
             shear: [dx / dz, dy / dz],
             t_per_z: 1.0 / dz,
+        }
+    }
+
+    /// The axes in the order in which the test takes them: across, across, along the direction `d`, which is the
+    /// first of those along which it is longest.
+    #[inline]
+    pub(super) fn axes(d: DVec3) -> [usize; 3] {
+        let [x, y, z] = d.abs().to_array();
+        if x >= y && x >= z {
+            [1, 2, 0]
+        } else if y >= z {
+            [2, 0, 1]
+        } else {
+            [0, 1, 2]
         }
     }
 
@@ -110,11 +117,9 @@ impl TriangleRay {
         if !(front | back) | (det == 0.0) {
             return None;
         }
-        if (wa == 0.0) | (wb == 0.0) | (wc == 0.0) {
-            let spans = |a: f64, b: f64, c: f64| a.min(b).min(c) <= 0.0 && a.max(b).max(c) >= 0.0;
-            if !(spans(ax, bx, cx) && spans(ay, by, cy)) {
-                return None;
-            }
+        let on_edge = (wa == 0.0) | (wb == 0.0) | (wc == 0.0);
+        if on_edge && !(spans(ax, bx, cx) & spans(ay, by, cy)) {
+            return None;
         }
         // Weights first, t from them: their product with z would leave the range of f64 long before they do.
         let per_det = 1.0 / det;
@@ -122,6 +127,12 @@ impl TriangleRay {
         let t = (wa * az + u * bz + v * cz) * self.t_per_z;
         t.is_finite().then_some(TriangleHit { t, u, v })
     }
+}
+
+/// Whether 0 lies in the range of three numbers.
+#[inline(always)]
+pub(super) fn spans(a: f64, b: f64, c: f64) -> bool {
+    ((a <= 0.0) | (b <= 0.0) | (c <= 0.0)) & ((a >= 0.0) | (b >= 0.0) | (c >= 0.0))
 }
 
 /// The components in another order.

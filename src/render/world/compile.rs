@@ -42,6 +42,7 @@ impl<'s> World<'s> {
         Ok(World {
             scene,
             levels: compiler.levels,
+            packets: true,
         })
     }
 }

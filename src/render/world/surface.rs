@@ -3,7 +3,7 @@
 use super::{
     World,
     level::{Level, Primitive, TriangleRun, TriangleSource},
-    trace::Hit,
+    query::Hit,
 };
 use crate::{
     math::{DAffine3, DVec2, DVec3, Ray, max_abs},

@@ -6,12 +6,13 @@ use proptest::prelude::*;
 
 use super::{
     World,
-    trace::{Blocker, Probe},
+    query::{Blocker, Hit, Probe},
 };
 use crate::{
-    Builder, DVec3, Scene, Term,
+    Builder, DVec3, Scene,
+    color::Color,
     math::{Ray, max_abs},
-    scene::Mesh,
+    scene::{Mesh, Term},
     shape::{Cone, Cuboid, Cylinder, Disk, Plane, Polygon, Shape, Torus},
 };
 
@@ -98,9 +99,18 @@ fn mesh(seed: u64) -> Mesh {
     Mesh::new("random", positions, triangles).unwrap()
 }
 
-fn put(b: &mut Builder, items: &[Placed], groups: usize) {
+/// With `glass` every third thing lets light through.
+fn put(b: &mut Builder, items: &[Placed], groups: usize, glass: bool) {
     let shared = std::sync::Arc::new(mesh(7));
-    for item in items {
+    for (i, item) in items.iter().enumerate() {
+        if glass {
+            let kt = if i % 3 == 0 {
+                Color::splat(0.5)
+            } else {
+                Color::ZERO
+            };
+            b.material_mut().transmission = Term::color(kt);
+        }
         b.push_transform().unwrap();
         b.translate(item.translation).unwrap();
         b.rotate(item.axis, item.degrees).unwrap();
@@ -120,14 +130,18 @@ fn put(b: &mut Builder, items: &[Placed], groups: usize) {
 
 /// A scene whose groups place one another, everything times `scale`.
 fn scene(groups: &[Vec<Placed>], root: &[Placed], scale: f64) -> Scene {
+    scene_of(groups, root, scale, false)
+}
+
+fn scene_of(groups: &[Vec<Placed>], root: &[Placed], scale: f64, glass: bool) -> Scene {
     let mut b = Builder::new();
     for (i, items) in groups.iter().enumerate() {
         let mark = b.begin_define(&format!("g{i}")).unwrap();
-        put(&mut b, items, i);
+        put(&mut b, items, i, glass);
         b.end_define(mark, true);
     }
     b.scale(DVec3::splat(scale)).unwrap();
-    put(&mut b, root, groups.len());
+    put(&mut b, root, groups.len(), glass);
     b.finish().value
 }
 
@@ -259,5 +273,74 @@ fn an_instance_of_nothing_hides_nothing() {
     for i in (0..20).filter(|i| i % 3 != 0) {
         let probe = Probe::from_space(Ray::new(DVec3::new(f64::from(i) + 0.1, 0.1, 9.0), DVec3::NEG_Z));
         assert!(world.nearest(&probe, f64::INFINITY).is_some(), "sphere {i}");
+    }
+}
+
+/// Rays from one point: `n` in a row, each a little or a lot aside from the one before.
+fn fan(origin: DVec3, dir: DVec3, across: DVec3, spread: f64, n: usize) -> Vec<Probe> {
+    let (right, up) = (dir.cross(across), dir.cross(across).cross(dir));
+    (0..n)
+        .map(|i| {
+            let (x, y) = ((i % 8) as f64 - 3.5, (i / 8) as f64 - 3.5);
+            let dir = dir + (right * x + up * y) * (spread / 8.0);
+            Probe::from_space(Ray::new(origin, dir / dir.length()))
+        })
+        .collect()
+}
+
+/// What identifies a hit to the last bit.
+fn bits(hit: Option<Hit>) -> Option<(u64, u64, u64, u64, u8)> {
+    hit.map(|h| (h.t.to_bits(), h.number, h.u.to_bits(), h.v.to_bits(), h.part))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn packets_find_what_single_rays_and_brute_force_find(
+        groups in prop::collection::vec(prop::collection::vec(placed(), 1..8), 0..4),
+        root in prop::collection::vec(placed(), 1..30),
+        fans in prop::collection::vec(
+            (vector(8.0), vector(1.0), vector(1.0), prop_oneof![Just(0.01), Just(0.1), Just(0.6), Just(3.0)], 1..100usize),
+            6,
+        ),
+        glass in any::<bool>(),
+        scale in prop_oneof![Just(1.0), Just(1e-5), Just(1e6)],
+    ) {
+        let scene = scene_of(&groups, &root, scale, glass);
+        let world = World::compile(&scene).unwrap();
+        for (origin, dir, across, spread, n) in fans {
+            prop_assume!(dir.length() > 1e-3 && dir.normalize().cross(across).length() > 1e-3);
+            let mut probes = fan(origin * scale, dir.normalize(), across, spread, n);
+            for bounce in 0..3 {
+                let mut hits = vec![None; probes.len()];
+                world.nearest_many(&probes, f64::INFINITY, &mut hits);
+                for (probe, hit) in probes.iter().zip(&hits) {
+                    prop_assert_eq!(bits(*hit), bits(world.nearest(probe, f64::INFINITY)));
+                    prop_assert_eq!(bits(*hit), bits(world.nearest_brute(probe, f64::INFINITY)));
+                }
+                let reach: Vec<f64> = hits
+                    .iter()
+                    .zip(0..)
+                    .map(|(hit, i)| hit.map_or(f64::INFINITY, |h| h.t * [1.0 - 1e-9, 1.0, 1.0 + 1e-9, 9.0][i % 4]))
+                    .collect();
+                let mut found = vec![Blocker::None; probes.len()];
+                world.blockers(&probes, &reach, &mut found);
+                for ((probe, reach), found) in probes.iter().zip(&reach).zip(&found) {
+                    prop_assert_eq!(*found, world.blocker(probe, *reach));
+                }
+                // On from one surface point in the same fan of directions, then from each ray's own.
+                let Some((hit, from)) = hits.iter().zip(&probes).find_map(|(hit, probe)| Some(((*hit)?, probe))) else {
+                    break;
+                };
+                let common = world.surface(&hit, &from.ray).unwrap();
+                for (probe, own) in probes.iter_mut().zip(&hits) {
+                    let own = own.filter(|_| bounce == 1);
+                    let surface = own.and_then(|hit| world.surface(&hit, &probe.ray));
+                    let (at, number) = surface.map_or((common.position, hit.number), |s| (s.position, own.unwrap().number));
+                    *probe = Probe::from_surface(Ray::new(at, probe.ray.dir), number, common.scale);
+                }
+            }
+        }
     }
 }

@@ -232,7 +232,7 @@ proptest! {
                 // A mesh in two materials may let light through until its surface is looked at.
                 let things: Vec<Placed> =
                     things.iter().filter(|p| !matches!(p.thing, Thing::Mesh(_))).cloned().collect();
-                put(&mut b, &things, 0);
+                put(&mut b, &things, 0, false);
             }
             b.finish().value
         };

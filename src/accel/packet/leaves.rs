@@ -1,0 +1,234 @@
+//! Leaves against the rays of a packet: one triangle or sphere at a time, a register of rays at once.
+//!
+//! As the rays start at one point, what depends on the point alone is found once for each triangle: with
+//! s = o - a the edge functions are u = d (e2 x s) and v = d (s x e1), the determinant is d (e2 x e1), and
+//! the distance's numerator e2 (s x e1) does not depend on the ray at all. The errors are those of the single
+//! ray's test (`accel/blocks.rs`) with the products taken in another order: a triple product of factors that
+//! were rounded to f32 is off by at most 20 * 2^-24 of M D L for u and v, 2^-21 of D L^2 for the determinant,
+//! 18 * 2^-24 of M L^2 for the numerator, and the bounds below are the same.
+
+use super::{PACKET, RayPacket, Row, wide::Wide};
+use crate::accel::{
+    blocks::{BLOCK, Spheres, Triangles},
+    four::F4,
+};
+
+/// Errors of the f32 tests of a packet; see `accel/blocks.rs`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slack {
+    /// Largest coordinate.
+    pub(super) size: f32,
+    edge: f32,
+    t: f32,
+    det: f32,
+}
+
+impl Slack {
+    pub(super) const NONE: Self = Self {
+        size: 0.0,
+        edge: 0.0,
+        t: 0.0,
+        det: 0.0,
+    };
+
+    /// For coordinates up to `m` and directions with |dx| + |dy| + |dz| up to `d`.
+    pub(super) fn new(m: f32, d: f32) -> Self {
+        const fn power(n: i32) -> f32 {
+            1.0 / (1u32 << n) as f32
+        }
+        Self {
+            size: m,
+            edge: power(17) * m * d,
+            t: power(18) * m,
+            det: power(20) * d,
+        }
+    }
+}
+
+/// Triangles of a block as the packet's origin sees them.
+pub(super) struct Seen {
+    normal: [[f32; BLOCK]; 3],
+    u: [[f32; BLOCK]; 3],
+    v: [[f32; BLOCK]; 3],
+    t: [f32; BLOCK],
+    slack: [f32; BLOCK],
+    slack_t: [f32; BLOCK],
+    slack_det: [f32; BLOCK],
+}
+
+impl Seen {
+    #[inline(always)]
+    pub(super) fn new(block: &Triangles, packet: &RayPacket) -> Self {
+        let (e1, e2, corner) = (vector(&block.edge1), vector(&block.edge2), vector(&block.corner));
+        let s = [
+            F4::splat(packet.origin[0]).sub(corner[0]),
+            F4::splat(packet.origin[1]).sub(corner[1]),
+            F4::splat(packet.origin[2]).sub(corner[2]),
+        ];
+        let v = cross(s, e1);
+        let extent = F4::from_array(block.extent);
+        let extent2 = extent.mul(extent);
+        Self {
+            normal: arrays(cross(e2, e1)),
+            u: arrays(cross(e2, s)),
+            v: arrays(v),
+            t: dot(e2, v).to_array(),
+            slack: F4::splat(packet.slack.edge).mul(extent).to_array(),
+            slack_t: F4::splat(packet.slack.t).mul(extent2).to_array(),
+            slack_det: F4::splat(packet.slack.det).mul(extent2).to_array(),
+        }
+    }
+}
+
+/// What some rays of a packet may meet.
+pub(super) struct Met {
+    /// Rays that f64 must look at.
+    pub(super) possible: u64,
+    /// Rays among them that certainly hit, after `t_least` and before their bound.
+    pub(super) certain: u64,
+}
+
+impl RayPacket {
+    /// Which of the `active` rays may hit a triangle. `lowest` receives lower bounds of t for those. Without `ANY`
+    /// what is certain lowers the bounds.
+    #[inline(always)]
+    pub(super) fn triangle<W: Wide, const ANY: bool>(
+        &mut self,
+        w: W,
+        seen: &Seen,
+        lane: usize,
+        active: u64,
+        lowest: &mut Row,
+    ) -> Met {
+        let lane = lane & (BLOCK - 1);
+        let normal = w.broadcast3(&seen.normal, lane);
+        let (to_u, to_v) = (w.broadcast3(&seen.u, lane), w.broadcast3(&seen.v, lane));
+        let t = w.splat(seen.t[lane]);
+        let slack = w.splat(seen.slack[lane]);
+        let slack_t = w.splat(seen.slack_t[lane]);
+        let slack_det = w.splat(seen.slack_det[lane]);
+        let zero = w.splat(0.0);
+        let least_slack = w.sub(zero, slack);
+        let least_t = w.splat(self.t_least);
+        let (shrink, grow) = (w.splat(1.0 - 1e-6), w.splat(1.0 + 1e-6));
+        let infinity = w.splat(f32::INFINITY);
+        let mut met = Met {
+            possible: 0,
+            certain: 0,
+        };
+        let all = u64::MAX >> (PACKET - W::LANES);
+        for group in 0..PACKET / W::LANES {
+            let shift = group * W::LANES;
+            let here = active >> shift & all;
+            if here == 0 {
+                continue;
+            }
+            let d = w.load3(&self.dir, group);
+            let det = w.dot(d, normal);
+            let sign = w.sign(det);
+            let det = w.flip(det, sign);
+            let (u, v) = (w.flip(w.dot(d, to_u), sign), w.flip(w.dot(d, to_v), sign));
+            let t = w.flip(t, sign);
+            let rest = w.sub(w.sub(det, u), v);
+            // Twice the slack is due to the third, which is the sum of the others' errors.
+            let inside = w.min(w.add(slack, rest), w.min(u, v));
+            let bound = w.load(&self.bound, group);
+            let (t_low, t_high) = (w.sub(t, slack_t), w.add(slack_t, t));
+            let det_high = w.add(slack_det, det);
+            // Written as what is dropped, so that a NaN from overflow is kept.
+            let outside = w.bits(w.below(inside, least_slack))
+                | w.bits(w.below(t_high, zero))
+                | w.bits(w.below(w.mul(bound, det_high), t_low));
+            // Seen edge-on, the determinant's sign is not known, nor then anything else.
+            let face_on = w.below(slack, det);
+            let possible = (!outside | !w.bits(face_on)) & here;
+            if possible == 0 {
+                continue;
+            }
+            met.possible |= possible << shift;
+            let low = w.mul(w.div(t_low, det_high), shrink);
+            let high = w.mul(w.div(t_high, w.sub(det, slack_det)), grow);
+            let inside = w.min(w.sub(rest, slack), w.min(u, v));
+            let certain = w.and(
+                w.and(face_on, w.below(slack, inside)),
+                w.and(w.below(least_t, low), w.below(high, bound)),
+            );
+            met.certain |= (w.bits(certain) & here) << shift;
+            if !ANY {
+                // Edge-on the distance means nothing.
+                w.store(w.select(face_on, low, zero), lowest, group);
+                w.store(
+                    w.min(w.select(certain, high, infinity), bound),
+                    &mut self.bound,
+                    group,
+                );
+            }
+        }
+        met
+    }
+
+    /// Which of the `active` rays come within reach of a block's sphere before their bound.
+    #[inline(always)]
+    pub(super) fn sphere<W: Wide>(&self, w: W, block: &Spheres, lane: usize, active: u64) -> u64 {
+        let lane = lane & (BLOCK - 1);
+        let mut f = [0.0; 3];
+        for (k, f) in f.iter_mut().enumerate() {
+            *f = block.center[k][lane] - self.origin[k];
+        }
+        let f = w.splat3(f);
+        let reach = block.radius[lane] + self.slack.t;
+        if !(reach >= 0.0) {
+            return 0;
+        }
+        let (reach2, half_reach) = (w.splat(reach * reach), w.splat(reach * (0.5 + 1e-6)));
+        let zero = w.splat(0.0);
+        let mut possible = 0;
+        let all = u64::MAX >> (PACKET - W::LANES);
+        for group in 0..PACKET / W::LANES {
+            let shift = group * W::LANES;
+            let here = active >> shift & all;
+            if here == 0 {
+                continue;
+            }
+            let d = w.load3(&self.dir, group);
+            let inverse_dd = w.div(w.splat(1.0), w.dot(d, d));
+            let t = w.mul(w.dot(f, d), inverse_dd);
+            let l = [
+                w.sub(f[0], w.mul(d[0], t)),
+                w.sub(f[1], w.mul(d[1], t)),
+                w.sub(f[2], w.mul(d[2], t)),
+            ];
+            // 1 / |d| is at most the mean of 1 and 1 / |d|^2, and nearly that where d is nearly a unit vector.
+            let around = w.mul_add(half_reach, inverse_dd, half_reach);
+            let outside = w.bits(w.below(reach2, w.dot(l, l)))
+                | w.bits(w.below(w.add(around, t), zero))
+                | w.bits(w.below(w.load(&self.bound, group), w.sub(t, around)));
+            possible |= (!outside & here) << shift;
+        }
+        possible
+    }
+}
+
+#[inline(always)]
+fn vector(a: &[[f32; BLOCK]; 3]) -> [F4; 3] {
+    [F4::from_array(a[0]), F4::from_array(a[1]), F4::from_array(a[2])]
+}
+
+#[inline(always)]
+fn arrays(a: [F4; 3]) -> [[f32; BLOCK]; 3] {
+    [a[0].to_array(), a[1].to_array(), a[2].to_array()]
+}
+
+#[inline(always)]
+fn dot(a: [F4; 3], b: [F4; 3]) -> F4 {
+    a[0].mul(b[0]).add(a[1].mul(b[1])).add(a[2].mul(b[2]))
+}
+
+#[inline(always)]
+fn cross(a: [F4; 3], b: [F4; 3]) -> [F4; 3] {
+    [
+        a[1].mul(b[2]).sub(a[2].mul(b[1])),
+        a[2].mul(b[0]).sub(a[0].mul(b[2])),
+        a[0].mul(b[1]).sub(a[1].mul(b[0])),
+    ]
+}

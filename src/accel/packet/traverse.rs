@@ -1,0 +1,411 @@
+//! Traversal by packet: which leaves its rays may hit something in, nearest first.
+
+#![allow(unsafe_code)]
+
+use std::mem::MaybeUninit;
+
+#[cfg(target_arch = "x86_64")]
+use super::wide::Avx2;
+use super::{
+    DONE, PACKET, ROUNDING, RayPacket, Row, Search, Sign,
+    leaves::Seen,
+    wide::{Plain, Wide},
+};
+use crate::{
+    accel::{
+        Bvh, Child, LeafKind, NONE, Simd,
+        blocks::{BLOCK, Spheres, Triangles},
+        boxes::Node,
+    },
+    math::Ray,
+};
+
+/// Decides in f64 what a packet's rays hit. Each question is answered by the ray's new bound: nothing beyond counts
+/// for it any more; [`DONE`] where nothing counts at all.
+pub trait Decide {
+    /// The rays go together. May lower their bounds before the tree is looked at.
+    fn begin(&mut self, packet: &mut RayPacket);
+    /// A ray may hit these triangles.
+    fn triangles(&mut self, ray: usize, ids: &[u32]) -> f32;
+    /// As the search ends: each ray may hit the triangle it stands with. The answer goes to
+    /// [`RayPacket::lower_bound`].
+    fn last(&mut self, pairs: &[(u8, u32)], packet: &mut RayPacket);
+    /// A ray may hit a sphere.
+    fn sphere(&mut self, ray: usize, id: u32) -> f32;
+    /// Rays, one bit for each, may hit a primitive of another kind. The answers go to [`RayPacket::lower_bound`].
+    fn other(&mut self, rays: u64, index: u32, packet: &mut RayPacket);
+    /// Whether a triangle that is certainly hit ends the search of whoever hits it.
+    fn ends(&self, id: u32) -> bool;
+}
+
+/// What a tree's leaves refer to.
+#[derive(Clone, Copy, Debug)]
+pub struct Place<'a> {
+    /// The tree.
+    pub bvh: &'a Bvh,
+    /// Blocks of triangles.
+    pub triangles: &'a [Triangles],
+    /// Blocks of spheres.
+    pub spheres: &'a [Spheres],
+}
+
+/// Triangles a ray may hit before f64 is asked.
+const PENDING: usize = 4;
+
+/// What waits for a decision in f64.
+struct Pending {
+    ids: [[u32; PENDING]; PACKET],
+    lowest: [[f32; PENDING]; PACKET],
+    count: [u8; PACKET],
+}
+
+/// As in `accel/traverse.rs`.
+const STACK: usize = 7 * (48 + 27 + 1);
+
+#[derive(Clone, Copy)]
+struct Waiting {
+    child: Child,
+    /// The node that holds the child's box, times eight, plus its lane.
+    place: u32,
+    entry: f32,
+}
+
+impl RayPacket {
+    /// Searches a tree with all rays at once; with `ANY` in the order in which shadow rays look. `bounds` are what
+    /// each ray asks for, rounded up. False where the rays do not go together: then nothing was done.
+    #[inline]
+    pub fn search<const ANY: bool>(
+        &mut self,
+        place: &Place<'_>,
+        rays: &[Ray],
+        bounds: &[f32],
+        search: &Search,
+        decide: &mut impl Decide,
+    ) -> bool {
+        #[cfg(target_arch = "x86_64")]
+        if Simd::detect() != Simd::Portable && is_x86_feature_detected!("fma") {
+            // SAFETY: both were asked for.
+            return unsafe { self.search_avx2::<ANY>(place, rays, bounds, search, decide) };
+        }
+        self.search_with::<_, ANY>(Plain, place, rays, bounds, search, decide)
+    }
+
+    /// # Safety
+    /// The processor must have these features.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma,bmi1,lzcnt")]
+    unsafe fn search_avx2<const ANY: bool>(
+        &mut self,
+        place: &Place<'_>,
+        rays: &[Ray],
+        bounds: &[f32],
+        search: &Search,
+        decide: &mut impl Decide,
+    ) -> bool {
+        // SAFETY: the caller's promise.
+        let w = unsafe { Avx2::assume() };
+        self.search_with::<_, ANY>(w, place, rays, bounds, search, decide)
+    }
+
+    #[inline(always)]
+    fn search_with<W: Wide, const ANY: bool>(
+        &mut self,
+        w: W,
+        place: &Place<'_>,
+        rays: &[Ray],
+        bounds: &[f32],
+        search: &Search,
+        decide: &mut impl Decide,
+    ) -> bool {
+        if !self.fill(w, rays, bounds, search) {
+            return false;
+        }
+        decide.begin(self);
+        if !place.bvh.nodes.is_empty() {
+            self.walk::<W, ANY>(w, place, decide);
+        }
+        true
+    }
+
+    #[inline(always)]
+    fn walk<W: Wide, const ANY: bool>(&mut self, w: W, place: &Place<'_>, decide: &mut impl Decide) {
+        let nodes = &place.bvh.nodes[..];
+        let mut pending = Pending {
+            ids: [[NONE; PENDING]; PACKET],
+            lowest: [[0.0; PENDING]; PACKET],
+            count: [0; PACKET],
+        };
+        let mut stack: [MaybeUninit<Waiting>; STACK] = [const { MaybeUninit::uninit() }; STACK];
+        let mut top = 0usize;
+        let mut farthest = self.farthest(w);
+        let mut current = Waiting {
+            child: Child(0),
+            place: u32::MAX,
+            entry: 0.0,
+        };
+        loop {
+            if current.child.is_leaf() {
+                let active = self.enter::<W, false>(w, nodes, current.place);
+                if active != 0 {
+                    self.leaf::<W, ANY>(w, place, current.child, active, &mut pending, decide);
+                    farthest = self.farthest(w);
+                    if ANY && farthest == DONE {
+                        return;
+                    }
+                }
+            } else if current.place == u32::MAX || self.enter::<W, true>(w, nodes, current.place) != 0 {
+                let index = current.child.0;
+                // SAFETY: node indices come from the builder.
+                let node = unsafe { nodes.get_unchecked(index as usize) };
+                let (mut mask, entries) = self.children(w, node, farthest);
+                let base = top;
+                while mask != 0 {
+                    let lane = mask.trailing_zeros();
+                    mask &= mask - 1;
+                    let next = Waiting {
+                        child: node.children[lane as usize & 7],
+                        place: index << 3 | lane,
+                        entry: entries[lane as usize & 7],
+                    };
+                    place.bvh.prefetch(next.child);
+                    let mut at = top;
+                    // SAFETY: the stack holds seven siblings for every level the tree can have, and what is below
+                    // `top` has been written.
+                    unsafe {
+                        // Shadow rays take children in the order the builder gave them, others the nearest first.
+                        while !ANY && at > base {
+                            let below = stack.get_unchecked(at - 1).assume_init();
+                            if below.entry >= next.entry {
+                                break;
+                            }
+                            stack.get_unchecked_mut(at).write(below);
+                            at -= 1;
+                        }
+                        stack.get_unchecked_mut(at).write(next);
+                    }
+                    top += 1;
+                }
+            }
+            loop {
+                if top == 0 {
+                    self.decide_pending(&mut pending, decide);
+                    return;
+                }
+                top -= 1;
+                // SAFETY: written before.
+                current = unsafe { stack.get_unchecked(top).assume_init() };
+                if ANY || current.entry <= farthest {
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Which children the pyramid meets before `farthest`, one bit for each, and where it enters them at the
+    /// earliest.
+    #[inline(always)]
+    fn children<W: Wide>(&self, w: W, node: &Node, farthest: f32) -> (u32, [f32; 8]) {
+        let p = &self.pyramid;
+        let [main, x, y] = p.axes;
+        let (near, far) = if p.backwards {
+            (self.above(w, node, main), self.below(w, node, main))
+        } else {
+            (self.below(w, node, main), self.above(w, node, main))
+        };
+        let zero = w.splat(0.0);
+        let enter = w.max(w.mul(near, w.splat(p.t_least)), zero);
+        let mut outside = zero;
+        for (i, k) in [(0, x), (1, y)] {
+            let [least, most] = p.slopes[i];
+            let at_least = if p.at_far[i][0] { far } else { near };
+            let at_most = if p.at_far[i][1] { far } else { near };
+            let beyond = w.sub(self.below(w, node, k), w.mul(at_most, w.splat(most)));
+            let before = w.sub(w.mul(at_least, w.splat(least)), self.above(w, node, k));
+            outside = w.max(outside, w.max(beyond, before));
+        }
+        // The last counts even where the others are NaN: an empty lane is behind every ray.
+        let behind = w.sub(zero, w.mul(far, w.splat(p.t_most)));
+        let outside = w.max(outside, behind);
+        let missed = w.bits(w.below(zero, outside)) | w.bits(w.below(w.splat(farthest), enter));
+        let mut entries = [0.0; 8];
+        w.store(enter, &mut entries, 0);
+        (!missed as u32 & 0xff, entries)
+    }
+
+    /// The children's lower planes along an axis as seen from the origin, rounded outwards.
+    #[inline(always)]
+    fn below<W: Wide>(&self, w: W, node: &Node, axis: usize) -> W::F {
+        w.sub(w.load(&node.planes[axis], 0), w.splat(self.origin_up[axis]))
+    }
+
+    /// As [`RayPacket::below`], the upper planes.
+    #[inline(always)]
+    fn above<W: Wide>(&self, w: W, node: &Node, axis: usize) -> W::F {
+        w.sub(w.load(&node.planes[axis + 3], 0), w.splat(self.origin_down[axis]))
+    }
+
+    /// Which rays enter a child's box before their bound; with `FIRST` no more than the first register that has any.
+    #[inline(always)]
+    fn enter<W: Wide, const FIRST: bool>(&self, w: W, nodes: &[Node], place: u32) -> u64 {
+        // SAFETY: a place is made of a node's index.
+        let node = unsafe { nodes.get_unchecked((place >> 3) as usize) };
+        let lane = place as usize & 7;
+        let mixed = self.signs.contains(&Sign::Mixed);
+        let (mut near, mut far) = ([0.0; 3], [0.0; 3]);
+        for k in 0..3 {
+            near[k] = node.planes[k][lane] - self.origin_up[k];
+            far[k] = node.planes[k + 3][lane] - self.origin_down[k];
+            if self.signs[k] == Sign::Negative && !mixed {
+                (near[k], far[k]) = (far[k], near[k]);
+            }
+        }
+        let (near, far) = (w.splat3(near), w.splat3(far));
+        let grow = w.splat(1.0 + ROUNDING);
+        let zero = w.splat(0.0);
+        let mut active = 0;
+        for group in 0..self.len.div_ceil(W::LANES) {
+            let inverse = w.load3(&self.inverse, group);
+            let mut enter = zero;
+            let mut leave = w.load(&self.bound, group);
+            for k in 0..3 {
+                let (mut a, mut b) = (w.mul(near[k], inverse[k]), w.mul(far[k], inverse[k]));
+                if mixed {
+                    (a, b) = (w.min(a, b), w.max(a, b));
+                }
+                enter = w.max(enter, a);
+                leave = w.min(leave, b);
+            }
+            let missed = w.bits(w.below(w.mul(leave, grow), enter));
+            active |= (!missed & u64::MAX >> (PACKET - W::LANES)) << (group * W::LANES);
+            if FIRST && active != 0 {
+                break;
+            }
+        }
+        active
+    }
+
+    #[inline(always)]
+    fn leaf<W: Wide, const ANY: bool>(
+        &mut self,
+        w: W,
+        place: &Place<'_>,
+        leaf: Child,
+        mut active: u64,
+        pending: &mut Pending,
+        decide: &mut impl Decide,
+    ) {
+        match leaf.kind() {
+            LeafKind::Triangles => {
+                let mut lowest: Row = [0.0; PACKET];
+                for block in &place.triangles[leaf.range()] {
+                    let seen = Seen::new(block, self);
+                    for lane in 0..BLOCK {
+                        let id = block.ids[lane];
+                        if id == NONE || id == self.skip {
+                            continue;
+                        }
+                        let met = self.triangle::<W, ANY>(w, &seen, lane, active, &mut lowest);
+                        let mut possible = met.possible;
+                        if ANY && met.certain != 0 && decide.ends(id) {
+                            for ray in rays(met.certain) {
+                                self.bound[ray] = DONE;
+                            }
+                            possible &= !met.certain;
+                            active &= !met.certain;
+                            if active == 0 {
+                                return;
+                            }
+                        }
+                        for ray in rays(possible) {
+                            self.add_pending(ray, id, lowest[ray], pending, decide);
+                        }
+                    }
+                }
+            }
+            LeafKind::Spheres => {
+                for block in &place.spheres[leaf.range()] {
+                    for lane in 0..BLOCK {
+                        let id = block.ids[lane];
+                        for ray in rays(self.sphere(w, block, lane, active)) {
+                            self.lower_bound(ray, decide.sphere(ray, id));
+                        }
+                    }
+                }
+            }
+            LeafKind::Others => {
+                for &index in place.bvh.others(leaf) {
+                    decide.other(active, index, self);
+                }
+            }
+        }
+    }
+
+    /// Notes a triangle that a ray may hit.
+    #[inline(always)]
+    fn add_pending(
+        &mut self,
+        ray: usize,
+        id: u32,
+        lowest: f32,
+        pending: &mut Pending,
+        decide: &mut impl Decide,
+    ) {
+        let mut count = usize::from(pending.count[ray]);
+        if count == PENDING {
+            count = self.sift(ray, pending);
+        }
+        if count == PENDING {
+            self.lower_bound(ray, decide.triangles(ray, &pending.ids[ray]));
+            count = 0;
+        }
+        pending.ids[ray][count & (PENDING - 1)] = id;
+        pending.lowest[ray][count & (PENDING - 1)] = lowest;
+        pending.count[ray] = count as u8 + 1;
+    }
+
+    /// Moves a ray's triangles that may still count to the front, and counts them.
+    #[inline(always)]
+    fn sift(&self, ray: usize, pending: &mut Pending) -> usize {
+        let (ids, lowest) = (&mut pending.ids[ray], &mut pending.lowest[ray]);
+        let mut left = 0;
+        for i in 0..usize::from(pending.count[ray]).min(PENDING) {
+            if lowest[i] <= self.bound[ray] {
+                (ids[left], lowest[left]) = (ids[i], lowest[i]);
+                left += 1;
+            }
+        }
+        pending.count[ray] = 0;
+        left
+    }
+
+    /// Decides what all rays may have hit.
+    #[inline(always)]
+    fn decide_pending(&mut self, pending: &mut Pending, decide: &mut impl Decide) {
+        let mut pairs = [(0, NONE); PACKET];
+        let mut count = 0;
+        for ray in 0..self.len {
+            let left = self.sift(ray, pending);
+            if count + left > PACKET {
+                decide.last(&pairs[..count], self);
+                count = 0;
+            }
+            for i in 0..left {
+                pairs[count & (PACKET - 1)] = (ray as u8, pending.ids[ray][i & (PENDING - 1)]);
+                count += 1;
+            }
+        }
+        decide.last(&pairs[..count], self);
+    }
+}
+
+/// The rays whose bits are set.
+#[inline(always)]
+pub fn rays(mut mask: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        (mask != 0).then(|| {
+            let ray = mask.trailing_zeros() as usize & (PACKET - 1);
+            mask &= mask - 1;
+            ray
+        })
+    })
+}

@@ -1,0 +1,107 @@
+//! What a ray hits for certain: every test in f64, one primitive at a time.
+
+use super::{
+    World,
+    level::{Level, Primitive},
+    query::{Hit, Query},
+};
+use crate::{
+    math::Ray,
+    shape::{Crossing, Crossings, Sphere, triangle::TriangleRay},
+};
+
+/// One ray's tests of a level's primitives; each tells whether it ends the search.
+pub(super) struct Exact<'a, 's, 'p, const ANY: bool> {
+    pub(super) world: &'a World<'s>,
+    pub(super) level: &'a Level,
+    /// Number of the level's first primitive.
+    pub(super) base: u64,
+    /// The query's ray in the level's space.
+    pub(super) ray: &'a Ray,
+    pub(super) query: &'a mut Query<'p>,
+}
+
+impl<const ANY: bool> Exact<'_, '_, '_, ANY> {
+    /// A primitive of any kind.
+    pub(super) fn any(&mut self, index: u32) -> bool {
+        match self.level.primitive(index) {
+            Primitive::Shape(i) => self.shape(index, i),
+            Primitive::Instance(i) => {
+                let instance = &self.level.instances[i as usize];
+                let inner = &self.world.levels[instance.level as usize];
+                let ray = self.ray.transformed(&instance.inner_from_outer);
+                self.world
+                    .search::<ANY>(inner, self.base + instance.first_number, &ray, self.query)
+            }
+            Primitive::Triangle(i) => self.triangle(&TriangleRay::new(self.ray), i),
+            Primitive::Sphere(i) => self.sphere(i),
+        }
+    }
+
+    /// A triangle; `ray` is this ray, prepared.
+    #[inline(always)]
+    pub(super) fn triangle(&mut self, ray: &TriangleRay, index: u32) -> bool {
+        let (number, level) = (self.base + u64::from(index), self.level);
+        if self.query.probe.starts_on(number) || index as usize >= level.triangles.len() {
+            return false;
+        }
+        ray.intersect(level.corners_of(index)).is_some_and(|hit| {
+            self.query
+                .offer_triangle::<ANY>(number, hit, || level.may_be_transparent(index))
+        })
+    }
+
+    #[inline]
+    pub(super) fn sphere(&mut self, i: u32) -> bool {
+        let Some(sphere) = self.level.spheres.get(i as usize) else {
+            return false;
+        };
+        let index = self.level.triangles.len() as u32 + i;
+        let number = self.base + u64::from(index);
+        let Some((t0, t1)) = Sphere::roots(sphere.center, sphere.radius, self.ray) else {
+            return false;
+        };
+        let probe = self.query.probe;
+        let t = if probe.starts_on(number) {
+            let mut crossings = Crossings::default();
+            crossings.push(t0, 0);
+            crossings.push(t1, 0);
+            let t_min = probe.drop_start(number, &mut crossings);
+            match crossings.first_within(t_min, f64::INFINITY) {
+                Some(crossing) => crossing.t,
+                None => return false,
+            }
+        } else if t0 > probe.t_min {
+            t0
+        } else {
+            t1
+        };
+        t > probe.t_min && self.offer(index, t, 0)
+    }
+
+    fn shape(&mut self, index: u32, i: u32) -> bool {
+        let placed = &self.level.shapes[i as usize];
+        let mut crossings = Crossings::default();
+        placed
+            .shape
+            .crossings(&self.ray.transformed(&placed.object_from_level), &mut crossings);
+        let number = self.base + u64::from(index);
+        let t_min = self.query.probe.drop_start(number, &mut crossings);
+        crossings
+            .first_within(t_min, f64::INFINITY)
+            .is_some_and(|Crossing { t, part }| self.offer(index, t, part))
+    }
+
+    #[inline]
+    fn offer(&mut self, index: u32, t: f64, part: u8) -> bool {
+        let hit = Hit {
+            t,
+            number: self.base + u64::from(index),
+            u: 0.0,
+            v: 0.0,
+            part,
+        };
+        let level = self.level;
+        self.query.offer::<ANY>(hit, || level.may_be_transparent(index))
+    }
+}
