@@ -1,6 +1,6 @@
 //! Single-precision boxes, rounded outwards, and the node that holds eight of them.
 
-use crate::math::{Bounds3, max_abs};
+use crate::math::{Bounds3, DVec3, max_abs};
 
 /// An axis-aligned box in f32 that contains the f64 box it was made from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,8 +18,15 @@ impl Box32 {
         max: [f32::NEG_INFINITY; 3],
     };
 
+    /// The box that holds everything.
+    pub const EVERYTHING: Self = Self {
+        min: [f32::NEG_INFINITY; 3],
+        max: [f32::INFINITY; 3],
+    };
+
     /// The smallest f32 box around `bounds` grown by a few rounding errors of its coordinates, so that what
     /// f64 arithmetic puts on the box's face is inside.
+    #[inline]
     #[must_use]
     pub fn around(bounds: &Bounds3) -> Self {
         if bounds.is_empty() {
@@ -30,6 +37,34 @@ impl Box32 {
             min: bounds.min.to_array().map(|x| round_down(x - slack)),
             max: bounds.max.to_array().map(|x| round_up(x + slack)),
         }
+    }
+
+    /// Smallest box around both.
+    #[inline]
+    #[must_use]
+    pub fn union(&self, other: &Self) -> Self {
+        Self {
+            min: std::array::from_fn(|k| self.min[k].min(other.min[k])),
+            max: std::array::from_fn(|k| self.max[k].max(other.max[k])),
+        }
+    }
+
+    /// The size of its largest coordinate; 0 for the empty box.
+    #[inline]
+    #[must_use]
+    pub fn extent(&self) -> f32 {
+        if *self == Self::EMPTY {
+            return 0.0;
+        }
+        let coordinates = self.min.into_iter().chain(self.max);
+        coordinates.fold(0.0, |extent, x| extent.max(x.abs()))
+    }
+
+    /// The same box in f64.
+    #[must_use]
+    pub fn to_bounds(self) -> Bounds3 {
+        let corner = |p: [f32; 3]| DVec3::from(p.map(f64::from));
+        Bounds3::new(corner(self.min), corner(self.max))
     }
 }
 
@@ -168,7 +203,6 @@ impl Child {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::DVec3;
 
     #[test]
     fn rounding_never_loses_a_point() {

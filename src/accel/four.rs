@@ -73,6 +73,32 @@ mod imp {
             out
         }
 
+        /// The lanes one place on: y z x w.
+        #[inline(always)]
+        pub(in crate::accel) fn rotate(self) -> Self {
+            Self(unsafe { _mm_shuffle_ps::<0b11_00_10_01>(self.0, self.0) })
+        }
+
+        /// The first lane.
+        #[inline(always)]
+        pub(in crate::accel) fn first(self) -> f32 {
+            unsafe { _mm_cvtss_f32(self.0) }
+        }
+
+        /// Whole numbers, rounded towards 0. What is not within the range of i32 gives any number.
+        #[inline(always)]
+        pub(in crate::accel) fn truncate(self) -> [i32; 4] {
+            let mut out = [0; 4];
+            unsafe { _mm_storeu_si128(out.as_mut_ptr().cast(), _mm_cvttps_epi32(self.0)) };
+            out
+        }
+
+        /// All bits set, which is NaN, in each lane where `self < b` does not hold.
+        #[inline(always)]
+        pub(in crate::accel) fn not_less(self, b: Self) -> Self {
+            Self(unsafe { _mm_cmpnlt_ps(self.0, b.0) })
+        }
+
         /// The sign bits of each lane, for [`F4::flip`].
         #[inline(always)]
         pub(in crate::accel) fn sign(self) -> Self {
@@ -182,6 +208,31 @@ mod imp {
         #[inline(always)]
         pub(in crate::accel) fn to_array(self) -> [f32; 4] {
             self.0
+        }
+
+        /// The lanes one place on: y z x w.
+        #[inline(always)]
+        pub(in crate::accel) fn rotate(self) -> Self {
+            let [x, y, z, w] = self.0;
+            Self([y, z, x, w])
+        }
+
+        /// The first lane.
+        #[inline(always)]
+        pub(in crate::accel) fn first(self) -> f32 {
+            self.0[0]
+        }
+
+        /// Whole numbers, rounded towards 0. What is not within the range of i32 gives any number.
+        #[inline(always)]
+        pub(in crate::accel) fn truncate(self) -> [i32; 4] {
+            self.0.map(|x| x as i32)
+        }
+
+        /// All bits set, which is NaN, in each lane where `self < b` does not hold.
+        #[inline(always)]
+        pub(in crate::accel) fn not_less(self, b: Self) -> Self {
+            self.zip(b, |a, b| f32::from_bits(if a < b { 0 } else { u32::MAX }))
         }
 
         /// The sign bits of each lane, for [`F4::flip`].

@@ -15,7 +15,7 @@ mod traverse;
 
 pub use blocks::{BLOCK, Candidates, NONE, Range, Spheres, Triangles};
 pub use boxes::{Box32, Child, LeafKind, round_down, round_up};
-pub use build::{Bvh, Kinds, Primitive};
+pub use build::{Bvh, Kinds, Leaves, Primitive};
 pub use lanes::{Lanes, Simd, prefetch};
 pub use packet::{DONE, Decide, PACKET, Place, RayPacket, Search, rays};
 pub use ray::{Ray32, RayBlock, RayBox, RaySphere};

@@ -283,7 +283,7 @@ fn prefetch_child(child: Child, nodes: (*const u8, usize), blocks: (*const u8, u
 mod tests {
     use super::*;
     use crate::{
-        accel::{Box32, Kinds, LeafKind, Primitive, ray::Ray32},
+        accel::{BLOCK, Box32, Kinds, LeafKind, NONE, Primitive, ray::Ray32},
         math::{Bounds3, DVec3, Ray},
     };
 
@@ -317,26 +317,21 @@ mod tests {
     }
 
     /// A tree with its blocks as plain lists.
-    fn build(boxes: &[Bounds3], kinds: Kinds) -> (Bvh, [Vec<Vec<u32>>; 2]) {
-        let mut blocks = [const { Vec::new() }; 2];
-        let primitives: Vec<Primitive> = boxes
+    fn build(boxes: &[Bounds3], kinds: Kinds) -> (Bvh, [Vec<[u32; BLOCK]>; 2]) {
+        let primitives = boxes
             .iter()
-            .map(|b| Primitive {
-                bounds: Box32::around(b),
-                area: 1.0,
-            })
+            .zip(0..)
+            .map(|(b, index)| Primitive::new(index, Box32::around(b), 1.0))
             .collect();
-        let bvh = Bvh::build(&primitives, kinds, |kind, indices| {
-            blocks[kind as usize].push(indices.to_vec())
-        });
-        (bvh, blocks)
+        let (bvh, leaves) = Bvh::build(primitives, kinds, 0.0, |_| [DVec3::ZERO; 3]);
+        (bvh, [leaves.triangles, leaves.spheres])
     }
 
     /// Notes what it is shown.
     #[derive(Default)]
-    struct Leaves(Vec<Child>);
+    struct Shown(Vec<Child>);
 
-    impl Visitor for Leaves {
+    impl Visitor for Shown {
         fn leaf<L: Lanes>(&mut self, _: L, leaf: Child, _: &mut f32) -> Control {
             self.0.push(leaf);
             Control::Continue
@@ -348,15 +343,21 @@ mod tests {
     }
 
     /// The primitives whose leaves a ray visits.
-    fn visited<const ANY: bool>(bvh: &Bvh, blocks: &[Vec<Vec<u32>>; 2], ray: &Ray, simd: Simd) -> Vec<u32> {
+    fn visited<const ANY: bool>(
+        bvh: &Bvh,
+        blocks: &[Vec<[u32; BLOCK]>; 2],
+        ray: &Ray,
+        simd: Simd,
+    ) -> Vec<u32> {
         let prepared = RayBox::new(&Ray32::new(ray), bvh.extent());
-        let mut leaves = Leaves::default();
+        let mut leaves = Shown::default();
         bvh.traverse_by::<ANY>(simd, &prepared, 0.0, f32::INFINITY, &mut leaves);
         let primitives = |leaf: &Child| match leaf.kind() {
             LeafKind::Others => bvh.others(*leaf).to_vec(),
             kind => leaf
                 .range()
-                .flat_map(|block| blocks[kind as usize][block].clone())
+                .flat_map(|block| blocks[kind as usize][block])
+                .filter(|&index| index != NONE)
                 .collect(),
         };
         let mut seen: Vec<u32> = leaves.0.iter().flat_map(primitives).collect();

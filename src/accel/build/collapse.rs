@@ -1,110 +1,359 @@
-//! From the binary tree to nodes of eight children, by the cuts it found cheapest.
+//! From binary trees to nodes of eight children, by the least costs they found.
 
-use super::{Item, Kinds, LEAF_MAX};
+use rayon::prelude::*;
+
+use super::{
+    Aabb, Bvh, Context, Items, Kinds, LEAF_MAX, Leaves, Primitive,
+    binary::{self, Binary},
+    divide::{Part, Subtree},
+};
 use crate::accel::{
-    boxes::{Child, LeafKind, Node},
-    build::binary::{Binary, Cut, Tree},
+    blocks::NONE,
+    boxes::{Box32, Child, LeafKind, Node},
 };
 
-/// Nodes, the root first, and the primitives in no block in the order of the leaves.
-pub(super) fn collapse(
-    tree: &Tree,
-    items: &[Item],
-    kinds: Kinds,
-    block: impl FnMut(LeafKind, &[u32]),
-) -> (Vec<Node>, Vec<u32>) {
-    let mut emitter = Emitter {
-        tree,
-        items,
-        kinds,
-        block,
-        nodes: Vec::new(),
-        others: Vec::new(),
-        blocks: [0; 2],
-    };
-    if let Some(root) = tree.root() {
-        emitter.node(root);
-    }
-    (emitter.nodes, emitter.others)
+/// The nodes above, and what is below them.
+pub(super) struct Collapsed {
+    /// A child that is a leaf here stands for the part of that index.
+    top: Vec<Node>,
+    parts: Vec<(Child, Output)>,
+    /// Around everything.
+    bounds: Box32,
 }
 
-struct Emitter<'a, F> {
-    tree: &'a Tree,
-    items: &'a [Item],
-    kinds: Kinds,
-    block: F,
+/// Builds the subtrees as binary trees, and sees them all as one tree of nodes of eight children.
+pub(super) fn collapse(top: Part<'_>, context: &Context<'_>) -> Collapsed {
+    let mut subtrees = Vec::new();
+    let shape = shape(top, &mut subtrees);
+    let (items, built): (Vec<&[Primitive]>, Vec<Vec<Binary>>) = subtrees
+        .into_par_iter()
+        .map_init(Vec::new, |scratch, subtree| build(subtree, context, scratch))
+        .unzip();
+    let mut tree = Vec::with_capacity(2 * built.len());
+    join(&shape, &built, &mut tree);
+    let trees: Vec<&[Binary]> = std::iter::once(&tree)
+        .chain(&built)
+        .map(|tree| &tree[..])
+        .collect();
+    let root = Place::root(&trees, 0);
+    let mut ends = Vec::new();
+    let mut above = Emitter {
+        trees: &trees,
+        home: 0,
+        output: Output::default(),
+        leaf: |_: &mut Output, end: Place, _: &Binary| {
+            ends.push(end);
+            Child::leaf(LeafKind::Others, ends.len() - 1, 1)
+        },
+    };
+    if tree.len() > 1 {
+        above.node(root);
+    } else {
+        above.child(root);
+    }
+    let top = above.output.nodes;
+    let parts = ends
+        .into_par_iter()
+        .map(|end| {
+            let mut emitter = Emitter {
+                trees: &trees,
+                home: end.tree,
+                output: Output::default(),
+                leaf: |output: &mut Output, _: Place, binary: &Binary| {
+                    let items = &items[end.tree - 1][binary.first as usize..];
+                    output.leaf(&items[..usize::from(binary.count)], context.kinds)
+                },
+            };
+            let child = emitter.child(end);
+            let mut output = emitter.output;
+            output.nodes.shrink_to_fit();
+            output.others.shrink_to_fit();
+            output.leaves.triangles.shrink_to_fit();
+            output.leaves.spheres.shrink_to_fit();
+            (child, output)
+        })
+        .collect();
+    let bounds = tree.last().map_or(Box32::EMPTY, |root| root.bounds);
+    Collapsed { top, parts, bounds }
+}
+
+/// The binary tree of a subtree, and the items its leaves speak of.
+fn build<'a>(
+    subtree: Subtree<'a>,
+    context: &Context<'_>,
+    scratch: &mut Vec<Binary>,
+) -> (&'a [Primitive], Vec<Binary>) {
+    let Items { all, count } = subtree.items;
+    let items = Items {
+        all: &mut *all,
+        count,
+    };
+    scratch.clear();
+    binary::build(items, context, &subtree.summary, 0, subtree.depth, scratch);
+    (all, scratch.to_vec())
+}
+
+impl Collapsed {
+    /// Puts everything into one list.
+    pub(super) fn assemble(self) -> (Bvh, Leaves) {
+        let Self { top, parts, bounds } = self;
+        let total = |count: fn(&Output) -> usize| parts.iter().map(|(_, part)| count(part)).sum::<usize>();
+        let mut all = Output::default();
+        all.nodes
+            .reserve_exact(top.len().max(1) + total(|o| o.nodes.len()));
+        all.others.reserve_exact(total(|o| o.others.len()));
+        let leaves = &mut all.leaves;
+        leaves
+            .triangles
+            .reserve_exact(total(|o| o.leaves.triangles.len()));
+        leaves.spheres.reserve_exact(total(|o| o.leaves.spheres.len()));
+        let above = top.len();
+        all.nodes.extend(top);
+        let roots: Vec<Child> = parts
+            .into_iter()
+            .map(|(child, part)| all.append(child, part))
+            .collect();
+        for node in &mut all.nodes[..above] {
+            for child in node.children.iter_mut().filter(|child| child.is_leaf()) {
+                *child = roots.get(child.range().start).copied().unwrap_or(Child::NOTHING);
+            }
+        }
+        // A single leaf, without a node above.
+        if let (true, [leaf]) = (all.nodes.is_empty(), &roots[..]) {
+            let mut root = Node::EMPTY;
+            root.set(0, &bounds, *leaf);
+            all.nodes.push(root);
+        }
+        let Output {
+            nodes,
+            others,
+            leaves,
+        } = all;
+        let extent = nodes.first().map_or(0.0, Node::extent);
+        let bvh = Bvh {
+            nodes,
+            others,
+            extent,
+        };
+        (bvh, leaves)
+    }
+}
+
+/// How subtrees are joined.
+enum Shape {
+    Subtree(usize),
+    Pair(Box<[Shape; 2]>, Aabb),
+}
+
+fn shape<'a>(part: Part<'a>, subtrees: &mut Vec<Subtree<'a>>) -> Shape {
+    match part {
+        Part::Subtree(subtree) => {
+            subtrees.push(subtree);
+            Shape::Subtree(subtrees.len() - 1)
+        }
+        Part::Pair(parts, bounds) => {
+            let parts = (*parts).map(|part| shape(part, subtrees));
+            Shape::Pair(Box::new(parts), bounds)
+        }
+    }
+}
+
+/// Appends the binary tree whose ends are links to subtrees; its root's index.
+fn join(shape: &Shape, built: &[Vec<Binary>], tree: &mut Vec<Binary>) -> usize {
+    match shape {
+        Shape::Subtree(index) => {
+            let root = built[*index].last().copied();
+            tree.extend(root.map(|root| Binary::link(root, *index)));
+        }
+        Shape::Pair(parts, bounds) => {
+            let left = join(&parts[0], built, tree);
+            join(&parts[1], built, tree);
+            tree.push(Binary::join(tree, left, bounds, None));
+        }
+    }
+    tree.len() - 1
+}
+
+/// Nodes and leaves.
+#[derive(Default)]
+struct Output {
     nodes: Vec<Node>,
     others: Vec<u32>,
-    /// Blocks made so far, by kind.
-    blocks: [usize; 2],
+    leaves: Leaves,
 }
 
-impl<'a, F: FnMut(LeafKind, &[u32])> Emitter<'a, F> {
-    fn at(&self, index: u32) -> &'a Binary {
-        &self.tree.nodes[index as usize]
-    }
-
-    /// Makes a node whose children are the best cut of `binary` in eight.
-    fn node(&mut self, binary: &'a Binary) -> Child {
-        let mut children: Vec<&Binary> = Vec::with_capacity(8);
-        match binary.own {
-            Cut::Split(k) => {
-                self.gather(self.at(binary.left), usize::from(k), &mut children);
-                self.gather(self.at(binary.right), 8 - usize::from(k), &mut children);
-            }
-            _ => children.push(binary),
-        }
-        // A shadow ray goes to the last lane it enters first: the one that blocks most for its cost.
-        let promise = |b: &Binary| b.area / b.cost[0].max(f32::MIN_POSITIVE);
-        children.sort_by(|a, b| promise(a).total_cmp(&promise(b)));
-        let index = self.nodes.len();
-        self.nodes.push(Node::EMPTY);
-        for (lane, binary) in children.into_iter().enumerate() {
-            let child = if binary.cut[0] == Cut::Node {
-                self.node(binary)
-            } else {
-                self.leaf(binary)
-            };
-            self.nodes[index].set(lane, &binary.bounds, child);
-        }
-        Child::node(index)
-    }
-
-    /// Collects `binary` as at most `room` children.
-    fn gather(&self, binary: &'a Binary, mut room: usize, children: &mut Vec<&'a Binary>) {
-        while room > 1 && binary.cut[room - 1] == Cut::Fewer {
-            room -= 1;
-        }
-        match binary.cut[room - 1] {
-            Cut::Split(k) if room > 1 => {
-                self.gather(self.at(binary.left), usize::from(k), children);
-                self.gather(self.at(binary.right), room - usize::from(k), children);
-            }
-            _ => children.push(binary),
-        }
-    }
-
-    fn leaf(&mut self, binary: &Binary) -> Child {
-        let items = &self.items[binary.first as usize..][..binary.count as usize];
-        let mut indices = [0; LEAF_MAX];
-        let indices = &mut indices[..items.len()];
+impl Output {
+    fn leaf(&mut self, items: &[Primitive], kinds: Kinds) -> Child {
+        let mut indices = [NONE; LEAF_MAX];
         for (index, item) in indices.iter_mut().zip(items) {
-            *index = item.index;
+            *index = item.index();
+        }
+        // What is not used stays last. The halves of a triangle that was cut may meet again.
+        indices.sort_unstable();
+        for i in (1..LEAF_MAX).rev() {
+            if indices[i] == indices[i - 1] {
+                indices[i] = NONE;
+            }
         }
         indices.sort_unstable();
-        match indices
-            .first()
-            .map_or(LeafKind::Others, |&index| self.kinds.of(index))
-        {
+        let kind = kinds.of(indices[0]);
+        let blocks = match kind {
+            LeafKind::Triangles => &mut self.leaves.triangles,
+            LeafKind::Spheres => &mut self.leaves.spheres,
             LeafKind::Others => {
-                self.others.extend_from_slice(indices);
-                Child::leaf(LeafKind::Others, self.others.len() - indices.len(), indices.len())
+                self.others.extend_from_slice(&indices[..items.len()]);
+                return Child::leaf(kind, self.others.len() - items.len(), items.len());
             }
-            kind => {
-                (self.block)(kind, indices);
-                self.blocks[kind as usize] += 1;
-                Child::leaf(kind, self.blocks[kind as usize] - 1, 1)
+        };
+        blocks.push(indices);
+        Child::leaf(kind, blocks.len() - 1, 1)
+    }
+
+    /// Appends a part with this root; its root here.
+    fn append(&mut self, root: Child, part: Self) -> Child {
+        let first = [
+            self.leaves.triangles.len(),
+            self.leaves.spheres.len(),
+            self.others.len(),
+        ];
+        let first_node = self.nodes.len();
+        let moved = |child: Child| {
+            if child == Child::NOTHING {
+                child
+            } else if child.is_leaf() {
+                let range = child.range();
+                Child::leaf(
+                    child.kind(),
+                    range.start + first[child.kind() as usize],
+                    range.len(),
+                )
+            } else {
+                Child::node(child.0 as usize + first_node)
+            }
+        };
+        self.nodes.extend(part.nodes.into_iter().map(|mut node| {
+            node.children = node.children.map(moved);
+            node
+        }));
+        self.others.extend(part.others);
+        self.leaves.triangles.extend(part.leaves.triangles);
+        self.leaves.spheres.extend(part.leaves.spheres);
+        moved(root)
+    }
+}
+
+/// A node of one of several binary trees.
+#[derive(Clone, Copy, Default)]
+struct Place {
+    tree: usize,
+    index: usize,
+}
+
+impl Place {
+    fn root(trees: &[&[Binary]], tree: usize) -> Self {
+        Self {
+            tree,
+            index: trees[tree].len() - 1,
+        }
+    }
+}
+
+/// Makes nodes of the binary tree `home`; `leaf` makes its leaves, and what of other trees is a child.
+struct Emitter<'a, F> {
+    trees: &'a [&'a [Binary]],
+    home: usize,
+    output: Output,
+    leaf: F,
+}
+
+impl<F: FnMut(&mut Output, Place, &Binary) -> Child> Emitter<'_, F> {
+    /// The node at a place, and where a link to another tree leads to.
+    fn at(&self, place: Place) -> (Place, &Binary) {
+        let binary = &self.trees[place.tree][place.index];
+        match binary.linked() {
+            Some(subtree) => self.at(Place::root(self.trees, subtree + 1)),
+            None => (place, binary),
+        }
+    }
+
+    fn child(&mut self, place: Place) -> Child {
+        let (place, binary) = self.at(place);
+        if place.tree != self.home || binary.is_leaf {
+            let binary = *binary;
+            (self.leaf)(&mut self.output, place, &binary)
+        } else {
+            self.node(place)
+        }
+    }
+
+    /// Makes a node whose children are the best cut of a binary node in eight.
+    fn node(&mut self, place: Place) -> Child {
+        let mut children = Children::default();
+        self.share(place, 8, &mut children);
+        let node = self.output.nodes.len();
+        self.output.nodes.push(Node::EMPTY);
+        for lane in 0..children.count {
+            let place = children.places[lane];
+            let child = self.child(place);
+            let bounds = self.at(place).1.bounds;
+            self.output.nodes[node].set(lane, &bounds, child);
+        }
+        Child::node(node)
+    }
+
+    /// Collects the parts of a binary node as at most `room` children.
+    fn share(&self, place: Place, room: usize, children: &mut Children) {
+        let binary = &self.trees[place.tree][place.index];
+        let [left, right] = [binary.left as usize, place.index.wrapping_sub(1)].map(|index| Place {
+            tree: place.tree,
+            index,
+        });
+        let (left_cost, right_cost) = (&self.at(left).1.cost, &self.at(right).1.cost);
+        // Where costs overflow to infinity any share will do.
+        let (mut least, mut best) = (f32::INFINITY, room / 2);
+        for k in 1..room {
+            let cost = left_cost[k - 1] + right_cost[room - k - 1];
+            if cost < least {
+                (least, best) = (cost, k);
             }
         }
+        self.gather(left, best, children);
+        self.gather(right, room - best, children);
+    }
+
+    /// Collects a binary node as at most `room` children.
+    fn gather(&self, place: Place, mut room: usize, children: &mut Children) {
+        let (place, binary) = self.at(place);
+        while room > 1 && binary.cost[room - 2] <= binary.cost[room - 1] {
+            room -= 1;
+        }
+        if room > 1 {
+            self.share(place, room, children);
+        } else {
+            children.push(place, binary);
+        }
+    }
+}
+
+/// The children of a node, in ascending order of promise: a shadow ray goes to the last lane it enters first,
+/// which is to be the one that blocks most for its cost.
+#[derive(Default)]
+struct Children {
+    count: usize,
+    places: [Place; 8],
+    promises: [f32; 8],
+}
+
+impl Children {
+    fn push(&mut self, at: Place, binary: &Binary) {
+        let promise = binary.area / binary.cost[0].max(f32::MIN_POSITIVE);
+        let mut place = self.count;
+        while place > 0 && promise < self.promises[place - 1] {
+            self.places[place] = self.places[place - 1];
+            self.promises[place] = self.promises[place - 1];
+            place -= 1;
+        }
+        (self.places[place], self.promises[place]) = (at, promise);
+        self.count += 1;
     }
 }

@@ -1,21 +1,42 @@
-//! Building: a binary tree by the binned surface area heuristic, then the best way to see it as one of eight
-//! children to a node.
+//! Building: the binned surface area heuristic from the top down, then the best way to see the binary tree as
+//! nodes of eight children.
+//!
+//! First the primitives are divided, in parallel, until no part is larger than a subtree that fits the cache
+//! ([`divide`]). Subtrees then become binary trees, many at once ([`binary`]). All of them together are collapsed
+//! to nodes ([`collapse`]). The tree does not depend on the number of threads.
 
 mod binary;
+mod binning;
 mod collapse;
+mod divide;
+mod spatial;
+#[cfg(test)]
+mod tests;
+
+use rayon::prelude::*;
 
 use super::{
     blocks::BLOCK,
     boxes::{Box32, Child, LeafKind, Node},
     four::F4,
 };
+use crate::math::DVec3;
 
 /// Cost of visiting a node, in tests of one block.
 const NODE_COST: f32 = 1.0;
 /// Cost of a primitive that stands alone, in tests of one block.
-const ALONE_COST: f32 = 2.0;
+const ALONE_COST: u32 = 2;
 /// Most primitives in a leaf.
 const LEAF_MAX: usize = BLOCK;
+/// A leaf is divided where its halves' areas together are less than this part of its own. Below 1, because a block
+/// that is nearly empty takes as much memory as a full one.
+const APART: f32 = 0.7;
+/// Below this depth every split halves, which bounds the depth of the tree and so the traversal's stack.
+const SAH_DEPTH: usize = 48;
+
+/// Large parts are worked on in pieces of so many items, in parallel. A constant, so that the tree is the same for
+/// any number of threads.
+const PIECE: usize = 1 << 15;
 
 /// A tree over primitives that are known by their boxes and kinds only.
 #[derive(Debug, Default)]
@@ -27,13 +48,69 @@ pub struct Bvh {
     extent: f32,
 }
 
-/// What the builder knows of a primitive.
+/// The primitives of each leaf that is a block, in the order of the blocks;
+/// [`NONE`](super::NONE) fills what is left over.
+#[derive(Debug, Default)]
+pub struct Leaves {
+    /// Blocks of [`LeafKind::Triangles`].
+    pub triangles: Vec<[u32; BLOCK]>,
+    /// Blocks of [`LeafKind::Spheres`], counted as all primitives are, triangles first.
+    pub spheres: Vec<[u32; BLOCK]>,
+}
+
+/// What the builder knows of a primitive: a box, and in the fourth lanes its index and its area.
 #[derive(Clone, Copy, Debug)]
+#[repr(C, align(16))]
 pub struct Primitive {
-    /// A box around it. An empty box is never entered.
-    pub bounds: Box32,
-    /// How much light it can block: its surface area, roughly. Decides only the order in which shadow rays look.
-    pub area: f32,
+    min: [f32; 4],
+    max: [f32; 4],
+}
+
+impl Primitive {
+    /// With these bits added an index is an f32 between 2 and 2^17. Were it left a tiny number, arithmetic on all
+    /// lanes would be slow.
+    const INDEX: u32 = 0x4000_0000;
+
+    /// A primitive with a box around it; one in an empty box is never found. `area` says how much light it can
+    /// block, its surface area, roughly; it decides only the order in which shadow rays look.
+    #[inline]
+    #[must_use]
+    pub fn new(index: u32, bounds: Box32, area: f32) -> Self {
+        let wide = |[x, y, z]: [f32; 3], w: f32| [x, y, z, w];
+        Self {
+            min: wide(bounds.min, f32::from_bits(Self::INDEX | index)),
+            max: wide(bounds.max, area),
+        }
+    }
+
+    #[inline(always)]
+    fn index(&self) -> u32 {
+        self.min[3].to_bits() ^ Self::INDEX
+    }
+
+    #[inline(always)]
+    fn area(&self) -> f32 {
+        self.max[3]
+    }
+
+    /// The box around it.
+    #[inline]
+    #[must_use]
+    pub fn bounds(&self) -> Box32 {
+        self.aabb().to_box()
+    }
+
+    #[inline(always)]
+    fn aabb(&self) -> Aabb {
+        Aabb {
+            min: F4::from_array(self.min),
+            max: F4::from_array(self.max),
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        (0..3).any(|k| !(self.min[k] <= self.max[k]))
+    }
 }
 
 /// How many primitives there are of the kinds that share blocks. They are numbered in the order of the fields,
@@ -58,9 +135,71 @@ impl Kinds {
             LeafKind::Others
         }
     }
+
+    /// Whether all of these may stand in one leaf.
+    fn are_one(self, items: &[Primitive]) -> bool {
+        let mut kinds = items.iter().map(|item| self.of(item.index()));
+        kinds.next().is_none_or(|first| kinds.all(|kind| kind == first))
+    }
 }
 
-/// A box in registers; the fourth lane holds nothing.
+/// What all parts of a build need to know.
+struct Context<'a> {
+    kinds: Kinds,
+    corners: &'a Corners<'a>,
+    /// Half the surface of the box around everything.
+    root_area: f32,
+}
+
+/// Corners of a triangle.
+type Corners<'a> = dyn Fn(u32) -> [DVec3; 3] + Sync + 'a;
+
+impl Context<'_> {
+    fn can_be_cut(&self, item: &Primitive) -> bool {
+        (item.index() as usize) < self.kinds.triangles
+    }
+}
+
+/// Items in the front part of a slice, and room behind them for those that splits add.
+struct Items<'a> {
+    all: &'a mut [Primitive],
+    count: usize,
+}
+
+impl<'a> Items<'a> {
+    /// The items.
+    fn live(&mut self) -> &mut [Primitive] {
+        &mut self.all[..self.count]
+    }
+
+    /// Two parts, each with a share of the room.
+    fn split_at(self, middle: usize) -> [Self; 2] {
+        let Self { all, count } = self;
+        let room = ((all.len() - count) as u64 * middle as u64 / count as u64) as usize;
+        if room > 0 {
+            // The order of the right part does not matter: its first go behind its last where that is shorter.
+            let moved = if count - middle > room {
+                middle + room
+            } else {
+                count
+            };
+            all.copy_within(middle..moved, count.max(middle + room));
+        }
+        let (left, right) = all.split_at_mut(middle + room);
+        [
+            Self {
+                all: left,
+                count: middle,
+            },
+            Self {
+                all: right,
+                count: count - middle,
+            },
+        ]
+    }
+}
+
+/// A box in registers; what the fourth lane holds does not matter.
 #[derive(Clone, Copy)]
 struct Aabb {
     min: F4,
@@ -68,7 +207,7 @@ struct Aabb {
 }
 
 impl Aabb {
-    #[inline]
+    #[inline(always)]
     fn empty() -> Self {
         Self {
             min: F4::splat(f32::INFINITY),
@@ -83,20 +222,44 @@ impl Aabb {
         self.max = other.max.max(self.max);
     }
 
-    /// Grows to contain a point. The center of an empty box is NaN and left out.
+    /// The part inside another box.
+    #[inline(always)]
+    fn overlap(&self, other: &Self) -> Self {
+        Self {
+            min: self.min.max(other.min),
+            max: self.max.min(other.max),
+        }
+    }
+
+    /// Whether it is empty.
+    #[inline(always)]
+    fn is_empty(&self) -> bool {
+        self.max.below(self.min).bits() & 7 != 0
+    }
+
+    /// Grows to contain a point. NaN is left out.
     #[inline(always)]
     fn grow_point(&mut self, p: F4) {
         self.min = p.min(self.min);
         self.max = p.max(self.max);
     }
 
-    /// Half the surface area; 0 for the empty box.
-    #[inline]
-    fn half_area(&self) -> f32 {
-        let [x, y, z, _] = self.max.sub(self.min).to_array();
-        if x < 0.0 { 0.0 } else { x * y + y * z + z * x }
+    /// Twice the center.
+    #[inline(always)]
+    fn center(&self) -> F4 {
+        self.min.add(self.max)
     }
 
+    /// Half the surface area; never NaN, but without meaning for the empty box.
+    #[inline(always)]
+    fn half_area(&self) -> f32 {
+        let size = self.max.sub(self.min);
+        let faces = size.mul(size.rotate());
+        let two = faces.add(faces.rotate());
+        two.add(faces.rotate().rotate()).first().min(f32::MAX)
+    }
+
+    #[inline(always)]
     fn to_box(self) -> Box32 {
         let corner = |v: F4| {
             let [x, y, z, _] = v.to_array();
@@ -109,89 +272,118 @@ impl Aabb {
     }
 }
 
-/// A primitive while the tree is being built.
-#[derive(Clone, Copy)]
-#[repr(align(16))]
-struct Item {
-    min: [f32; 3],
-    index: u32,
-    max: [f32; 3],
-    area: f32,
-}
-
-impl Item {
-    #[inline(always)]
-    fn bounds(&self) -> Aabb {
-        let wide = |[x, y, z]: [f32; 3]| F4::from_array([x, y, z, 0.0]);
-        Aabb {
-            min: wide(self.min),
-            max: wide(self.max),
-        }
-    }
-}
-
-/// Numbers of primitives that share blocks and of those that stand alone.
+/// Numbers of primitives that share blocks (low half) and of those that stand alone (high half).
 #[derive(Clone, Copy, Default)]
-struct Load {
-    packed: u32,
-    alone: u32,
-}
+struct Load(u64);
 
 impl Load {
-    #[inline]
-    fn of(item: &Item, kinds: Kinds) -> Self {
-        match kinds.of(item.index) {
-            LeafKind::Others => Self { packed: 0, alone: 1 },
-            _ => Self { packed: 1, alone: 0 },
-        }
+    #[inline(always)]
+    fn of(item: &Primitive, kinds: Kinds) -> Self {
+        let shares = (item.index() as usize) < kinds.triangles + kinds.spheres;
+        Self(if shares { 1 } else { 1 << 32 })
     }
 
-    #[inline]
+    fn all(items: &[Primitive], kinds: Kinds) -> Self {
+        Self(items.iter().map(|item| Self::of(item, kinds).0).sum())
+    }
+
+    #[inline(always)]
     fn add(&mut self, other: Self) {
-        self.packed += other.packed;
-        self.alone += other.alone;
+        self.0 += other.0;
     }
 
     /// In tests of one block.
-    #[inline]
+    #[inline(always)]
     fn cost(self) -> f32 {
-        self.packed.div_ceil(BLOCK as u32) as f32 + ALONE_COST * self.alone as f32
+        (self.0 as u32).div_ceil(BLOCK as u32) as f32 + (ALONE_COST * (self.0 >> 32) as u32) as f32
     }
 
+    #[inline(always)]
     fn is_empty(self) -> bool {
-        self.packed + self.alone == 0
+        self.0 == 0
+    }
+
+    fn items(self) -> usize {
+        (self.0 as u32) as usize + (self.0 >> 32) as usize
+    }
+}
+
+/// What is known of items before they are split.
+#[derive(Clone, Copy)]
+struct Summary {
+    bounds: Aabb,
+    /// Around twice the centers.
+    centers: Aabb,
+}
+
+impl Summary {
+    fn empty() -> Self {
+        Self {
+            bounds: Aabb::empty(),
+            centers: Aabb::empty(),
+        }
+    }
+
+    fn of(items: &[Primitive]) -> Self {
+        if items.len() > PIECE {
+            let pieces = items.par_chunks(PIECE).map(Self::of);
+            return pieces.reduce(Self::empty, Self::union);
+        }
+        let mut summary = Self::empty();
+        for item in items {
+            let bounds = item.aabb();
+            summary.bounds.grow(&bounds);
+            summary.centers.grow_point(bounds.center());
+        }
+        summary
+    }
+
+    fn union(mut self, other: Self) -> Self {
+        self.bounds.grow(&other.bounds);
+        self.centers.grow(&other.centers);
+        self
     }
 }
 
 impl Bvh {
-    /// A tree over `primitives`.
+    /// A tree over `primitives`, on the threads of the current pool. The primitives of a leaf are of one kind; the
+    /// second value says which stand in each leaf of triangles or spheres.
     ///
-    /// The primitives of a leaf are of one kind. Those of a leaf of triangles or spheres, four at the most, are
-    /// handed to `block` in ascending order, which is to make them the next block of that kind.
+    /// Where boxes overlap much, triangles are cut in two and stand in several leaves, `cuts` of them for each
+    /// triangle at the most. Their corners are asked from `corners`.
     #[must_use]
-    pub fn build(primitives: &[Primitive], kinds: Kinds, block: impl FnMut(LeafKind, &[u32])) -> Self {
-        let count = primitives.len().min(Child::PLACES_MAX);
-        let mut items: Vec<Item> = primitives[..count]
-            .iter()
-            .zip(0..)
-            .map(|(p, index)| Item {
-                min: p.bounds.min,
-                index,
-                max: p.bounds.max,
-                area: p.area,
-            })
-            .collect();
-        if items.is_empty() {
-            return Self::default();
+    pub fn build(
+        mut primitives: Vec<Primitive>,
+        kinds: Kinds,
+        cuts: f64,
+        corners: impl Fn(u32) -> [DVec3; 3] + Sync,
+    ) -> (Self, Leaves) {
+        primitives.truncate(Child::PLACES_MAX);
+        primitives.retain(|p| !p.is_empty());
+        let Some(first) = primitives.first().copied() else {
+            return Default::default();
+        };
+        let count = primitives.len();
+        let room = (cuts * kinds.triangles.min(count) as f64) as usize;
+        if room > 0 {
+            let all = (count + room).min(Child::PLACES_MAX);
+            primitives.reserve_exact(all - count);
+            primitives.resize(all, first);
         }
-        let tree = binary::Tree::build(&mut items, kinds);
-        let (nodes, others) = collapse::collapse(&tree, &items, kinds, block);
-        let extent = nodes.first().map_or(0.0, Node::extent);
-        Self {
-            nodes,
-            others,
-            extent,
-        }
+        let summary = Summary::of(&primitives[..count]);
+        let context = Context {
+            kinds,
+            corners: &corners,
+            root_area: summary.bounds.half_area(),
+        };
+        let items = Items {
+            all: &mut primitives,
+            count,
+        };
+        let parts = divide::divide(items, &context, summary, 0);
+        let collapsed = collapse::collapse(parts, &context);
+        drop(primitives);
+        collapsed.assemble()
     }
 
     /// Largest size of a coordinate of any box.

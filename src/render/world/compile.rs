@@ -1,6 +1,6 @@
 //! From a [`Scene`] to a [`World`].
 
-use std::collections::HashMap;
+use std::{borrow::Cow, collections::HashMap};
 
 use rayon::prelude::*;
 
@@ -9,10 +9,10 @@ use super::{
     level::{Instance, Level, PlacedShape, PlacedSphere, Primitive, TriangleRun, TriangleSource},
 };
 use crate::{
-    accel::{self, Box32, Bvh, Kinds, LeafKind, Spheres, Triangles},
+    accel::{self, Box32, Bvh, Kinds, NONE, Spheres, Triangles},
     diag::{Diagnostic, Error, ErrorKind},
-    math::{Bounds3, DAffine3, DMat3, DVec3, is_singular, max_abs},
-    scene::{Geometry, GroupId, MaterialId, Mesh, MeshId, ROOT_GROUP, Scene},
+    math::{Bounds3, DAffine3, DMat3, DVec3, is_singular},
+    scene::{Geometry, GroupId, MaterialId, Mesh, MeshId, Object, ROOT_GROUP, Scene},
     shape::{Shape, Sphere},
 };
 
@@ -20,6 +20,11 @@ use crate::{
 const MAX_NESTING: usize = 64;
 /// Primitive numbers stay below this, so that sums of two never overflow.
 const MAX_NUMBERS: u64 = 1 << 62;
+/// Most triangles that may be cut in two, for each that there is. On architecture a tenth brings nearly all that a
+/// quarter does; on scans nothing is worth a cut.
+const CUTS: f64 = 0.1;
+/// Least number of primitives that is worth another thread.
+const PIECE: usize = 1024;
 
 impl<'s> World<'s> {
     /// Compiles a scene: each group that is seen once, its tree built on the threads of the current pool.
@@ -27,6 +32,11 @@ impl<'s> World<'s> {
     /// # Errors
     /// `Limit` where instances are nested too deep or multiply to more than 2^62 primitives.
     pub fn compile(scene: &'s Scene) -> Result<Self, Error> {
+        Self::compile_cutting(scene, CUTS)
+    }
+
+    /// Compiles with at most so many cuts for each triangle, which changes no result.
+    pub(super) fn compile_cutting(scene: &'s Scene, cuts: f64) -> Result<Self, Error> {
         let mut compiler = Compiler {
             scene,
             levels: Vec::new(),
@@ -34,6 +44,7 @@ impl<'s> World<'s> {
             of_group: HashMap::new(),
             of_mesh: HashMap::new(),
             mesh_uses: mesh_uses(scene),
+            cuts,
         };
         for id in groups_inside_out(scene) {
             let level = compiler.group(id)?;
@@ -45,6 +56,14 @@ impl<'s> World<'s> {
             packets: true,
         })
     }
+}
+
+fn union(primitives: &[accel::Primitive]) -> Box32 {
+    primitives
+        .par_iter()
+        .with_min_len(PIECE)
+        .map(accel::Primitive::bounds)
+        .reduce(|| Box32::EMPTY, |a, b| a.union(&b))
 }
 
 /// How often each mesh is placed.
@@ -60,15 +79,17 @@ fn mesh_uses(scene: &Scene) -> Vec<u32> {
 
 struct Compiler<'s> {
     scene: &'s Scene,
-    levels: Vec<Level>,
+    levels: Vec<Level<'s>>,
     /// Nesting below each level.
     depths: Vec<usize>,
     of_group: HashMap<GroupId, u32>,
     of_mesh: HashMap<MeshId, u32>,
     mesh_uses: Vec<u32>,
+    /// Most triangles that may be cut in two, for each that there is.
+    cuts: f64,
 }
 
-impl Compiler<'_> {
+impl<'s> Compiler<'s> {
     /// Compiles one group whose inner groups are compiled.
     fn group(&mut self, id: GroupId) -> Result<u32, Error> {
         let scene = self.scene;
@@ -77,6 +98,7 @@ impl Compiler<'_> {
             group: Some(id),
             ..Level::default()
         };
+        self.reserve(&mut level, &group.objects);
         let mut depth = 0;
         for (index, object) in group.objects.iter().enumerate() {
             let index = index as u32;
@@ -90,8 +112,9 @@ impl Compiler<'_> {
                         .push(run(&level, index, TriangleSource::Single(*id), &placing));
                     level
                         .vertices
+                        .to_mut()
                         .extend(triangle.positions.map(|p| place(&placing, p)));
-                    level.triangles.push([first, first + 1, first + 2]);
+                    level.triangles.to_mut().push([first, first + 1, first + 2]);
                 }
                 // A flattened mesh has no space of its own that a ray could be taken to.
                 Geometry::Mesh(id) if self.mesh_uses[id.index()] == 1 || is_singular(&placing.matrix3) => {
@@ -123,6 +146,28 @@ impl Compiler<'_> {
         self.finish(level, depth)
     }
 
+    /// Makes room for what the objects will need, so that nothing grows by doubling.
+    fn reserve(&self, level: &mut Level<'s>, objects: &[Object]) {
+        let (mut vertices, mut triangles, mut spheres) = (0, 0, 0);
+        for object in objects {
+            match &object.geometry {
+                Geometry::Triangle(_) => {
+                    vertices += 3;
+                    triangles += 1;
+                }
+                Geometry::Mesh(id) if self.mesh_uses[id.index()] == 1 => {
+                    vertices += self.scene.meshes[id.index()].positions.len();
+                    triangles += self.scene.meshes[id.index()].triangles.len();
+                }
+                Geometry::Shape(Shape::Sphere(_)) => spheres += 1,
+                _ => {}
+            }
+        }
+        level.vertices.to_mut().reserve_exact(vertices);
+        level.triangles.to_mut().reserve_exact(triangles);
+        level.spheres.reserve_exact(spheres);
+    }
+
     /// The level of a mesh that is placed several times.
     fn mesh(&mut self, id: MeshId) -> Result<u32, Error> {
         if let Some(&level) = self.of_mesh.get(&id) {
@@ -142,7 +187,7 @@ impl Compiler<'_> {
     }
 
     /// Numbers the level's primitives and builds its tree.
-    fn finish(&mut self, mut level: Level, depth: usize) -> Result<u32, Error> {
+    fn finish(&mut self, mut level: Level<'s>, depth: usize) -> Result<u32, Error> {
         let mut numbers = (level.primitives() - level.instances.len()) as u64;
         for instance in &mut level.instances {
             instance.first_number = numbers;
@@ -156,52 +201,65 @@ impl Compiler<'_> {
         level.numbers = numbers;
         level.transparent = self.transparency(&level);
 
-        let bounds: Vec<Option<Bounds3>> = (0..level.primitives() as u32)
-            .into_par_iter()
-            .map(|index| self.bounds(&level, index))
-            .collect();
-        level.bounds = bounds.iter().try_fold(Bounds3::EMPTY, |around, bounds| {
-            bounds.as_ref().map(|b| around.union(b))
-        });
-        let unbounded = bounds.iter().zip(0..).filter(|(bounds, _)| bounds.is_none());
-        level.unbounded = unbounded.map(|(_, index)| index).collect();
         let kinds = Kinds {
             triangles: level.triangles.len(),
             spheres: level.spheres.len(),
         };
-        level.extent = bounds[..kinds.triangles + kinds.spheres]
-            .iter()
-            .flatten()
-            .map(|b| max_abs(b.min).max(max_abs(b.max)))
-            .fold(0.0, f64::max);
-        // What has no bounds has an empty box here, which no ray enters.
-        let primitives: Vec<accel::Primitive> = bounds
-            .into_iter()
-            .zip(0..)
-            .map(|(b, index)| accel::Primitive {
-                bounds: b.map_or(Box32::EMPTY, |b| Box32::around(&b)),
-                area: level.blocking_area(index, b) as f32,
+        let mut primitives: Vec<accel::Primitive> = (0..level.primitives() as u32)
+            .into_par_iter()
+            .with_min_len(PIECE)
+            .map(|index| {
+                let bounds = self.bounds(&level, index);
+                let area = level.blocking_area(index, bounds) as f32;
+                let around = bounds.map_or(Box32::EVERYTHING, |b| Box32::around(&b));
+                accel::Primitive::new(index, around, area)
             })
             .collect();
-        let (mut triangle_blocks, mut sphere_blocks) = (Vec::new(), Vec::new());
-        level.bvh = Bvh::build(&primitives, kinds, |kind, indices| {
-            if kind == LeafKind::Triangles {
+        let blocks = &primitives[..kinds.triangles + kinds.spheres];
+        level.extent = f64::from(union(blocks).extent());
+        let around = union(&primitives);
+        level.bounds = around.extent().is_finite().then(|| around.to_bounds());
+        if level.bounds.is_none() {
+            let everywhere = |index: &u32| primitives[*index as usize].bounds() == Box32::EVERYTHING;
+            level.unbounded = (0..primitives.len() as u32).filter(everywhere).collect();
+            primitives.retain(|primitive| primitive.bounds() != Box32::EVERYTHING);
+        }
+        let (bvh, leaves) = Bvh::build(primitives, kinds, self.cuts, |index| level.corners(index));
+        level.bvh = bvh;
+        level.triangle_blocks = leaves
+            .triangles
+            .into_par_iter()
+            .with_min_len(PIECE)
+            .map(|indices| {
                 let mut block = Triangles::EMPTY;
-                for (lane, &index) in indices.iter().enumerate() {
+                for (lane, index) in indices
+                    .into_iter()
+                    .enumerate()
+                    .filter(|(_, index)| *index != NONE)
+                {
                     block.set(lane, index, level.corners(index));
                 }
-                triangle_blocks.push(block);
-            } else {
+                block
+            })
+            .collect();
+        level.sphere_blocks = leaves
+            .spheres
+            .into_par_iter()
+            .with_min_len(PIECE)
+            .map(|indices| {
                 let mut block = Spheres::EMPTY;
-                for (lane, &index) in indices.iter().enumerate() {
+                for (lane, index) in indices
+                    .into_iter()
+                    .enumerate()
+                    .filter(|(_, index)| *index != NONE)
+                {
                     let index = index - kinds.triangles as u32;
                     let sphere = &level.spheres[index as usize];
                     block.set(lane, index, sphere.center, sphere.radius);
                 }
-                sphere_blocks.push(block);
-            }
-        });
-        (level.triangle_blocks, level.sphere_blocks) = (triangle_blocks, sphere_blocks);
+                block
+            })
+            .collect();
         self.levels.push(level);
         self.depths.push(depth);
         Ok(self.levels.len() as u32 - 1)
@@ -337,13 +395,22 @@ fn run(level: &Level, object: u32, source: TriangleSource, placing: &DAffine3) -
     }
 }
 
-fn append_mesh(level: &mut Level, mesh: &Mesh, placing: &DAffine3) {
+fn append_mesh<'s>(level: &mut Level<'s>, mesh: &'s Mesh, placing: &DAffine3) {
+    // Nothing came before, and no room was made for anything that is to come.
+    let is_all = level.vertices.is_empty() && level.vertices.to_mut().capacity() <= mesh.positions.len();
+    if is_all && *placing == DAffine3::IDENTITY {
+        level.vertices = Cow::Borrowed(&mesh.positions);
+        level.triangles = Cow::Borrowed(&mesh.triangles);
+        return;
+    }
     let first = level.vertices.len() as u32;
     level
         .vertices
+        .to_mut()
         .extend(mesh.positions.iter().map(|p| place(placing, *p)));
     level
         .triangles
+        .to_mut()
         .extend(mesh.triangles.iter().map(|t| t.map(|i| i + first)));
 }
 

@@ -13,7 +13,7 @@ use crate::{
 /// One ray's tests of a level's primitives; each tells whether it ends the search.
 pub(super) struct Exact<'a, 's, 'p, const ANY: bool> {
     pub(super) world: &'a World<'s>,
-    pub(super) level: &'a Level,
+    pub(super) level: &'a Level<'s>,
     /// Number of the level's first primitive.
     pub(super) base: u64,
     /// The query's ray in the level's space.

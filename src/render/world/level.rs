@@ -1,5 +1,7 @@
 //! One level: the primitives of a group in the group's space.
 
+use std::borrow::Cow;
+
 use crate::{
     accel::{Bvh, Spheres, Triangles},
     math::{Bounds3, DAffine3, DVec3},
@@ -10,11 +12,12 @@ use crate::{
 /// The primitives of one group. Their numbers run through the kinds in the order of the fields: triangles,
 /// spheres, shapes, instances.
 #[derive(Debug, Default)]
-pub(crate) struct Level {
+pub(crate) struct Level<'s> {
     /// The group it was made from; `None` for a mesh placed several times.
     pub(super) group: Option<GroupId>,
-    pub(super) vertices: Vec<DVec3>,
-    pub(super) triangles: Vec<[u32; 3]>,
+    /// The scene's own where one mesh is all there is and stands where it was made.
+    pub(super) vertices: Cow<'s, [DVec3]>,
+    pub(super) triangles: Cow<'s, [[u32; 3]]>,
     /// Where each run of triangles comes from, in ascending order of `first`.
     pub(super) runs: Vec<TriangleRun>,
     pub(super) spheres: Vec<PlacedSphere>,
@@ -89,7 +92,7 @@ pub(super) enum Primitive {
     Instance(u32),
 }
 
-impl Level {
+impl Level<'_> {
     pub(super) const NO_OBJECT: u32 = u32::MAX;
 
     /// Primitives, an instance counted as one.
@@ -173,8 +176,8 @@ impl Level {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(&*self.vertices)
-            + size_of_val(&*self.triangles)
+        owned(&self.vertices)
+            + owned(&self.triangles)
             + size_of_val(&*self.runs)
             + size_of_val(&*self.spheres)
             + size_of_val(&*self.shapes)
@@ -183,5 +186,14 @@ impl Level {
             + size_of_val(&*self.triangle_blocks)
             + size_of_val(&*self.sphere_blocks)
             + self.bvh.bytes()
+    }
+}
+
+/// Bytes that are not the scene's.
+#[allow(clippy::ptr_arg, reason = "the question is which of the two it is")]
+fn owned<T: Clone>(values: &Cow<'_, [T]>) -> usize {
+    match values {
+        Cow::Borrowed(_) => 0,
+        Cow::Owned(values) => size_of_val(&**values),
     }
 }

@@ -44,7 +44,7 @@ use level::Level;
 pub struct World<'s> {
     pub(crate) scene: &'s Scene,
     /// Levels; a level comes before the levels that place it, so the last is the root.
-    levels: Vec<Level>,
+    levels: Vec<Level<'s>>,
     /// Rays that go together are traced in packets; off for tests that compare.
     pub(crate) packets: bool,
 }
@@ -60,7 +60,7 @@ pub struct RayHit {
     pub normal: DVec3,
 }
 
-impl World<'_> {
+impl<'s> World<'s> {
     /// The nearest hit of a ray with 0 < t <= `t_max`. The ray's direction may have any length but 0.
     #[must_use]
     pub fn raycast(&self, ray: &Ray, t_max: f64) -> Option<RayHit> {
@@ -124,7 +124,7 @@ impl World<'_> {
         self.levels.iter().map(|level| level.bytes() as u64).sum()
     }
 
-    fn root(&self) -> Option<&Level> {
+    fn root(&self) -> Option<&Level<'s>> {
         self.levels.last()
     }
 }

@@ -120,7 +120,7 @@ impl World<'_> {
 /// Decides what the rays of a packet hit, as a search does for one.
 struct Decider<'a, 's, 'p, const ANY: bool> {
     world: &'a World<'s>,
-    level: &'a Level,
+    level: &'a Level<'s>,
     base: u64,
     own: &'a [Ray],
     queries: &'a mut [Query<'p>],

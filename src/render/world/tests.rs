@@ -178,6 +178,73 @@ proptest! {
     }
 }
 
+/// Large triangles through one another, slivers, and such as lie nearly in the planes that cut them: the trees stand
+/// for some of them several times, and still find what brute force finds.
+#[test]
+fn triangles_that_were_cut_are_found_from_everywhere() {
+    let mut state = 0u64;
+    let mut next = move || {
+        state += 1;
+        (crate::render::sampler::mix(state) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    };
+    let mut cut = 0;
+    for round in 0..60 {
+        let scale = [1.0, 1e-6, 1e6][round % 3];
+        let offset = [0.0, 3.0, 1000.0][round / 3 % 3];
+        let mut vector = |k: f64| DVec3::new(next(), next(), next()) * k;
+        let triangles: Vec<[DVec3; 3]> = (0..60 + 4 * round)
+            .map(|i| {
+                let (a, b, c) = (vector(1.0), vector(1.0), vector(1.0));
+                let corners = match i % 4 {
+                    0 => [a, b, c],
+                    // A sliver.
+                    1 => [a, b, b + (c - b) * [1e-3, 1e-9, 1e-14][i / 4 % 3]],
+                    // Nearly at right angles to an axis.
+                    2 => [a, b, c].map(|p| DVec3::new(p.x, a.y + p.y * [0.0, 1e-15, 1e-7][i / 4 % 3], p.z)),
+                    // Small, so that there is something to tell apart.
+                    _ => [a, a + b * 0.03, a + c * 0.03],
+                };
+                corners.map(|p| (p + offset) * scale)
+            })
+            .collect();
+        let mut b = Builder::new();
+        for corners in &triangles {
+            b.triangle(*corners, None).unwrap();
+        }
+        let scene = b.finish().value;
+        let world = World::compile_cutting(&scene, 3.0).unwrap();
+        let blocks = &world.levels[0].triangle_blocks;
+        let standing = blocks
+            .iter()
+            .flat_map(|block| block.ids)
+            .filter(|id| *id != crate::accel::NONE);
+        cut += standing.count() - triangles.len();
+        for corners in triangles.iter().cycle().take(600) {
+            let weights = vector(1.0).abs();
+            let weights = weights / (weights.x + weights.y + weights.z);
+            let aim = corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z;
+            let from = (vector(3.0) + offset) * scale;
+            // From nearby, from far away, and along an axis.
+            let dirs = [aim - from, (aim - from) * 100.0, DVec3::Y, DVec3::NEG_X];
+            for dir in dirs.map(DVec3::normalize) {
+                let distance = (aim - from).length() * if dir == dirs[1].normalize() { 100.0 } else { 1.0 };
+                let probe = Probe::from_space(Ray::new(aim - dir * distance, dir));
+                let [fast, slow] = [
+                    world.nearest(&probe, f64::INFINITY),
+                    world.nearest_brute(&probe, f64::INFINITY),
+                ]
+                .map(|hit| hit.map(|hit| (hit.t.to_bits(), hit.number)));
+                assert_eq!(fast, slow, "round {round}: {:?}", probe.ray);
+                assert_eq!(
+                    world.blocker(&probe, f64::INFINITY) != Blocker::None,
+                    slow.is_some()
+                );
+            }
+        }
+    }
+    assert!(cut > 2000, "{cut}");
+}
+
 /// A ball of radius 0.5 on the X axis.
 fn sphere(x: f64) -> Placed {
     Placed {

@@ -1,0 +1,93 @@
+use super::*;
+use crate::math::{Bounds3, DVec3};
+
+/// Boxes of very different sizes.
+fn primitives(n: u32) -> Vec<Primitive> {
+    let mut state = 3u64;
+    let mut next = move || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    (0..n)
+        .map(|index| {
+            let p = DVec3::new(next(), next(), next());
+            let size = DVec3::new(next(), next(), next()) * next() * next() * 0.1;
+            Primitive::new(index, Box32::around(&Bounds3::new(p, p + size)), next() as f32)
+        })
+        .collect()
+}
+
+/// Calls `leaf` with every leaf below a node and checks that boxes contain what is in them.
+fn walk(bvh: &Bvh, node: usize, leaf: &mut impl FnMut(Child, &Box32)) -> Box32 {
+    let mut around = Box32::EMPTY;
+    let node = &bvh.nodes[node];
+    for lane in 0..8 {
+        let bounds = Box32 {
+            min: [0, 1, 2].map(|k| node.planes[k][lane]),
+            max: [3, 4, 5].map(|k| node.planes[k][lane]),
+        };
+        let child = node.children[lane];
+        if child == Child::NOTHING {
+            assert_eq!(bounds, Box32::EMPTY);
+            continue;
+        }
+        around = around.union(&bounds);
+        if child.is_leaf() {
+            leaf(child, &bounds);
+        } else {
+            let below = walk(bvh, child.0 as usize, leaf);
+            assert_eq!(bounds.union(&below), bounds);
+        }
+    }
+    around
+}
+
+#[test]
+fn every_primitive_stands_in_one_leaf_and_threads_do_not_matter() {
+    for n in [1, 4, 5, 9, 4096, 4097, 200_000u32] {
+        let kinds = Kinds {
+            triangles: n as usize / 2,
+            spheres: n as usize / 3,
+        };
+        let with_threads = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
+            pool.install(|| Bvh::build(primitives(n), kinds, 0.0, |_| [DVec3::ZERO; 3]))
+        };
+        let (bvh, leaves) = with_threads(1);
+        let mut found = Vec::new();
+        let boxes = primitives(n);
+        walk(&bvh, 0, &mut |leaf, bounds| {
+            let indices = match leaf.kind() {
+                LeafKind::Others => bvh.others(leaf),
+                LeafKind::Triangles => leaves.triangles[leaf.range()].as_flattened(),
+                LeafKind::Spheres => leaves.spheres[leaf.range()].as_flattened(),
+            };
+            let before = found.len();
+            found.extend(indices.iter().filter(|index| **index != crate::accel::NONE));
+            for &index in &found[before..] {
+                assert_eq!(kinds.of(index), leaf.kind());
+                assert_eq!(boxes[index as usize].bounds().union(bounds), *bounds);
+            }
+        });
+        found.sort_unstable();
+        assert!(found.into_iter().eq(0..n));
+        let (other, other_leaves) = with_threads(3);
+        assert_eq!(leaves.triangles, other_leaves.triangles);
+        assert_eq!(leaves.spheres, other_leaves.spheres);
+        assert_eq!(bvh.others, other.others);
+        let same = |(a, b): (&Node, &Node)| a.planes == b.planes && a.children == b.children;
+        assert!(bvh.nodes.iter().zip(&other.nodes).all(same));
+    }
+}
+
+#[test]
+fn what_has_no_box_is_in_no_leaf() {
+    let nothing = Primitive::new(0, Box32::EMPTY, 0.0);
+    let (bvh, leaves) = Bvh::build(vec![nothing; 9], Kinds::default(), 0.0, |_| [DVec3::ZERO; 3]);
+    assert!(bvh.nodes.is_empty() && leaves.triangles.is_empty());
+}
