@@ -21,6 +21,9 @@ use crate::{
 /// How often the host is asked whether to stop while the script keeps to itself.
 const POLL: Duration = Duration::from_millis(10);
 
+/// What rendering gives.
+pub(crate) type RenderResult = Result<Report<Rendered>, Error>;
+
 /// One thing asked of the caller's thread.
 pub(super) enum Request {
     Read {
@@ -31,7 +34,7 @@ pub(super) enum Request {
     Print(String),
     Render {
         scene: Box<Scene>,
-        reply: SyncSender<Result<Report<Rendered>, Error>>,
+        reply: SyncSender<(Box<Scene>, RenderResult)>,
     },
     Write {
         name: String,
@@ -65,12 +68,11 @@ impl Remote {
         answer.recv().ok()
     }
 
-    /// Renders on the caller's thread.
-    pub(crate) fn render(&self, scene: Scene) -> Option<Result<Report<Rendered>, Error>> {
-        self.ask(|reply| Request::Render {
-            scene: Box::new(scene),
-            reply,
-        })
+    /// Renders on the caller's thread, and gives the scene back.
+    pub(crate) fn render(&self, scene: Scene) -> Option<(Scene, RenderResult)> {
+        let scene = Box::new(scene);
+        let (scene, result) = self.ask(|reply| Request::Render { scene, reply })?;
+        Some((*scene, result))
     }
 
     /// Hands a picture over without copying it.
@@ -131,7 +133,10 @@ pub(super) fn serve(
                 reply,
             }) => drop(reply.send(host.read(&path, max_bytes))),
             Ok(Request::Print(text)) => host.print(&text),
-            Ok(Request::Render { scene, reply }) => drop(reply.send(render(&scene, options, host))),
+            Ok(Request::Render { scene, reply }) => {
+                let result = render(&scene, options, host);
+                drop(reply.send((scene, result)));
+            }
             Ok(Request::Write { name, image, reply }) => {
                 let written = host.write_image(&name, &image);
                 // The script goes on with the only handle, so that it need not copy the picture.

@@ -75,18 +75,7 @@ impl Builder {
     #[must_use]
     pub fn with_limits(limits: Limits) -> Self {
         Self {
-            scene: Scene {
-                settings: Settings::default(),
-                camera: Camera::default(),
-                groups: vec![Group::default()],
-                materials: Vec::new(),
-                transforms: vec![DAffine3::IDENTITY],
-                textures: Vec::new(),
-                meshes: Vec::new(),
-                triangles: Vec::new(),
-                files: Vec::new(),
-                names: BTreeMap::new(),
-            },
+            scene: empty(),
             limits,
             group: Group::default(),
             ctm: Placing::IDENTITY,
@@ -145,7 +134,7 @@ impl Builder {
         self.warnings.push(d);
     }
 
-    /// The scene as it stands; the builder goes on. Used by `render()` in the middle of a script.
+    /// A copy of the scene as it stands; the builder goes on.
     #[must_use]
     pub fn snapshot(&mut self) -> Scene {
         let root = ROOT_GROUP.index();
@@ -153,6 +142,19 @@ impl Builder {
         let scene = self.scene.clone();
         std::mem::swap(&mut self.scene.groups[root], &mut self.group);
         scene
+    }
+
+    /// As [`Builder::snapshot`], without a copy: the scene itself, until [`Builder::take_back`].
+    pub(crate) fn lend(&mut self) -> Scene {
+        let mut scene = std::mem::replace(&mut self.scene, empty());
+        std::mem::swap(&mut scene.groups[ROOT_GROUP.index()], &mut self.group);
+        scene
+    }
+
+    /// Goes on with the scene that was lent.
+    pub(crate) fn take_back(&mut self, mut scene: Scene) {
+        std::mem::swap(&mut scene.groups[ROOT_GROUP.index()], &mut self.group);
+        self.scene = scene;
     }
 
     /// Warnings so far, handed over.
@@ -223,6 +225,22 @@ impl Builder {
             loc: self.loc,
         });
         Ok(())
+    }
+}
+
+/// A scene of nothing, with every default.
+fn empty() -> Scene {
+    Scene {
+        settings: Settings::default(),
+        camera: Camera::default(),
+        groups: vec![Group::default()],
+        materials: Vec::new(),
+        transforms: vec![DAffine3::IDENTITY],
+        textures: Vec::new(),
+        meshes: Vec::new(),
+        triangles: Vec::new(),
+        files: Vec::new(),
+        names: BTreeMap::new(),
     }
 }
 

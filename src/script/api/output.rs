@@ -51,13 +51,16 @@ fn render(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
             .error("name must not be empty")
             .hint("for example render(\"picture.png\")"));
     }
-    let scene = state.builder.snapshot();
+    let scene = state.builder.lend();
     let clock = Clock::start();
-    let rendered = state.host.render(scene);
-    let result = rendered.map_or_else(
-        || Err(stopped()),
-        |r| r.map_err(|e| ScriptError::from_file(*e.diagnostic)),
-    );
+    // Where no scene comes back, nobody is left who could render, and the run is over.
+    let result = match state.host.render(scene) {
+        Some((scene, result)) => {
+            state.builder.take_back(scene);
+            result.map_err(|e| ScriptError::from_file(*e.diagnostic))
+        }
+        None => Err(stopped()),
+    };
     state.rendering = state.rendering.saturating_add(clock.elapsed());
     let report = result?;
     state.warnings.extend(report.warnings);
