@@ -232,7 +232,7 @@ def scenes(found, rounds):
             if name == "glass":
                 theirs.setdefault(whole, []).append(trace("Declare=Bailout=0.00000095"))
             theirs.setdefault(name, []).append(trace())
-            output = run([found["scene"], WORK / f"{name}.rhai", "--reps", "3"])[0]
+            output = run([found["scene"], WORK / f"{name}.rhai", "--reps", "1"])[0]
             ours.setdefault(name, []).append([float(x) for x in output.strip().split(",")])
     for name in names:
         run([found["rtscript"], WORK / f"{name}.rhai", "-q", "-o", WORK / f"{name}-rtscript.png"], cwd=WORK)
