@@ -72,6 +72,21 @@ def programs():
     return found
 
 
+def apart(work):
+    """Does the work in a process of its own: the peak memory of a program counts that of the process which starts it,
+    so this one must stay small."""
+    child = os.fork()
+    if child == 0:
+        try:
+            work()
+        except BaseException as error:
+            say(repr(error))
+            os._exit(1)
+        os._exit(0)
+    if os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]):
+        sys.exit("cannot make the inputs")
+
+
 def medians(samples):
     return {key: statistics.median(values) for key, values in samples.items()}
 
@@ -93,13 +108,17 @@ def make_meshes():
     def add(name, inside, make):
         path = WORK / f"{name}.rtsm"
         inputs.append(name)
-        if not path.exists():
-            say(f"making {name}")
+
+        def write():
             points, faces = make()
             seen = meshes.view(points, faces, inside)
             if not inside:
                 points, faces = meshes.with_ground(points, faces)
             meshes.write_mesh(str(path), points, faces, seen)
+
+        if not path.exists():
+            say(f"making {name}")
+            apart(write)
 
     add("ball", False, lambda: meshes.lumpy_ball(6))
     add("ball1m", False, lambda: meshes.lumpy_ball(8))
@@ -206,13 +225,17 @@ def make_model():
     bunny = MODELS / "stanford-bunny.obj"
     name = "bunny" if bunny.exists() else "ball"
     obj, inc = WORK / f"model-{name}.obj", WORK / f"model-{name}.inc"
-    if not inc.exists():
+
+    def write():
         points, faces = meshes.read_obj(bunny) if bunny.exists() else meshes.lumpy_ball(6)
         low, high = meshes.bounds(points, faces)
         radius = max(h - l for l, h in zip(low, high)) / 2
         points = [[(x - (l + h) / 2) / radius for x, l, h in zip(p, low, high)] for p in points]
         meshes.write_obj(obj, points, faces)
         meshes.write_pov(inc, points, faces)
+
+    if not inc.exists():
+        apart(write)
     shutil.copy(obj, WORK / "model.obj")
     shutil.copy(inc, WORK / "model.inc")
     return name
