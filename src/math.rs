@@ -59,6 +59,7 @@ from_libm! {
 }
 
 /// `x` to a whole power by squaring: products only, so the same bits everywhere and cheaper than [`pow`].
+#[inline]
 #[must_use]
 pub fn powi(x: f64, n: u32) -> f64 {
     let (mut base, mut n, mut product) = (x, n, 1.0);
@@ -72,14 +73,54 @@ pub fn powi(x: f64, n: u32) -> f64 {
     product
 }
 
-/// The highlight's power `x^s` for x in [0, 1]: products where the exponent is a whole number below 2^16,
-/// [`pow`] elsewhere.
-#[must_use]
-pub fn shininess_power(x: f64, s: f64) -> f64 {
-    if (0.0..65536.0).contains(&s) && s.trunc() == s {
-        powi(x, s as u32)
-    } else {
-        pow(x, s)
+/// The exponent of a highlight, looked at once for all the powers taken with it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Exponent {
+    /// A whole number below 2^16: the power is a product.
+    Whole(u32),
+    /// Any other number: the power is [`pow`].
+    Real(f64),
+}
+
+impl Exponent {
+    /// The exponent `s`.
+    #[must_use]
+    pub fn new(s: f64) -> Self {
+        // As `s.trunc() == s`, without a call where the processor has no instruction for it.
+        if (0.0..65536.0).contains(&s) && f64::from(s as u32) == s {
+            Self::Whole(s as u32)
+        } else {
+            Self::Real(s)
+        }
+    }
+
+    /// `x` to this power, for x in [0, 1].
+    #[inline]
+    #[must_use]
+    pub fn of(self, x: f64) -> f64 {
+        match self {
+            Self::Whole(n) => powi(x, n),
+            Self::Real(s) => pow(x, s),
+        }
+    }
+
+    /// [`Exponent::of`] each of several numbers, which takes little longer than one.
+    #[inline]
+    #[must_use]
+    pub fn of_each<const N: usize>(self, x: &[f64; N]) -> [f64; N] {
+        let Self::Whole(mut n) = self else {
+            return x.map(|x| self.of(x));
+        };
+        // As `powi`.
+        let (mut base, mut product) = (*x, [1.0; N]);
+        while n > 0 {
+            if n & 1 == 1 {
+                product = std::array::from_fn(|i| product[i] * base[i]);
+            }
+            base = base.map(|b| b * b);
+            n >>= 1;
+        }
+        product
     }
 }
 
@@ -262,7 +303,14 @@ mod tests {
     #[test]
     fn whole_powers_are_products() {
         assert_eq!(powi(0.5, 10), 0.5f64.recip().recip() / 512.0);
-        assert_eq!(shininess_power(0.0, 0.0), 1.0);
-        assert_eq!(shininess_power(0.25, 0.5), 0.5);
+        assert_eq!(Exponent::new(0.0).of(0.0), 1.0);
+        assert_eq!(Exponent::new(-0.0), Exponent::Whole(0));
+        assert_eq!(Exponent::new(65536.0), Exponent::Real(65536.0));
+        assert_eq!(Exponent::new(0.5).of(0.25), 0.5);
+        let x = [0.0, 0.3, 0.999, 1.0];
+        for s in [0.0, 1.0, 7.0, 200.0, 2.5] {
+            let exponent = Exponent::new(s);
+            assert_eq!(exponent.of_each(&x), x.map(|x| exponent.of(x)));
+        }
     }
 }

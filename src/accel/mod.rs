@@ -11,6 +11,7 @@ mod four;
 mod lanes;
 mod packet;
 mod ray;
+mod shaft;
 mod traverse;
 
 pub use blocks::{BLOCK, Candidates, NONE, Range, Spheres, Triangles};
@@ -19,4 +20,5 @@ pub use build::{Bvh, Kinds, Leaves, Primitive};
 pub use lanes::{Lanes, Simd, prefetch};
 pub use packet::{DONE, Decide, PACKET, Place, RayPacket, Search, rays};
 pub use ray::{Ray32, RayBlock, RayBox, RaySphere};
+pub use shaft::Shaft;
 pub use traverse::{Control, Visitor};

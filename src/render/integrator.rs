@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     color::Color,
-    math::{DVec3, Ray},
+    math::{DVec3, Exponent, Ray},
     scene::Settings,
 };
 
@@ -20,6 +20,8 @@ pub(super) struct Counts {
     pub(super) reflected: u64,
     pub(super) refracted: u64,
     pub(super) invalid: u64,
+    /// Not counted up: what the lights remember from one point to the next.
+    pub(super) luck: lighting::Luck,
 }
 
 impl Counts {
@@ -54,13 +56,17 @@ impl Path<'_> {
 }
 
 /// A ray still to be traced.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Pending {
     probe: Probe,
     /// Share of what it sees that reaches the camera.
     weight: Color,
     depth: u32,
 }
+
+/// Rays that wait, kept from one camera sample to the next so that none of them allocates or clears memory.
+#[derive(Debug, Default)]
+pub(super) struct Stack(Vec<Pending>);
 
 /// A reflected and a refracted ray wait at each depth, and one of them is taken at once.
 const STACK: usize = Settings::MAX_DEPTH as usize + 2;
@@ -72,13 +78,13 @@ const LEAST_WEIGHT: f64 = 1.0 / (1 << 20) as f64;
 /// Points of one sample between two looks at the interrupt.
 const POINTS_PER_POLL: u64 = 64;
 
-/// Light along a camera ray that meets `first`.
+/// Light along a camera ray, of which it is known what it meets first.
 pub(super) fn radiance(
     world: &World<'_>,
-    probe: Probe,
-    first: Option<Hit>,
+    (probe, first): (Probe, Option<Hit>),
     sampler: Sampler,
     interrupt: &Interrupt<'_>,
+    Stack(waiting): &mut Stack,
     counts: &mut Counts,
 ) -> Color {
     let settings = &world.scene.settings;
@@ -88,17 +94,16 @@ pub(super) fn radiance(
         interrupt,
     };
     let mut sum = Color::ZERO;
-    let mut stack = [Pending {
+    waiting.clear();
+    let mut next = Some(Pending {
         probe,
         weight: Color::ONE,
         depth: 0,
-    }; STACK];
-    let mut waiting = 1;
+    });
     let mut known = Some(first);
     counts.camera += 1;
-    while waiting > 0 {
-        waiting -= 1;
-        let Pending { probe, weight, depth } = stack[waiting];
+    while let Some(Pending { probe, weight, depth }) = next.or_else(|| waiting.pop()) {
+        next = None;
         let ray = probe.ray;
         let hit = known
             .take()
@@ -112,7 +117,7 @@ pub(super) fn radiance(
         let gloss = Gloss {
             diffuse: term(&m.diffuse),
             specular: term(&m.specular),
-            shininess: m.shininess,
+            exponent: Exponent::new(m.shininess),
         };
         let mut local = term(&m.ambient) + term(&m.emission);
         local += lighting::direct(world, &at, hit.number, ray.origin, &gloss, &path, counts);
@@ -124,22 +129,24 @@ pub(super) fn radiance(
         if depth == settings.max_depth {
             continue;
         }
-        let (mirrored, refracted) = split(world, &at, &ray);
+        let (mirrored, refracted) = split(world, &at, &ray, weight);
+        // The mirrored ray goes first.
         for (branch, count) in [
             (refracted, &mut counts.refracted),
             (mirrored, &mut counts.reflected),
         ] {
-            let weight = weight * branch.weight;
-            if weight.max_element() >= LEAST_WEIGHT && waiting < STACK {
-                *count += 1;
-                let probe = Probe::from_surface(Ray::new(at.position, branch.dir), hit.number, at.scale);
-                stack[waiting] = Pending {
-                    probe,
-                    weight,
-                    depth: depth + 1,
-                };
-                waiting += 1;
+            let Some(Branch { dir, weight }) = branch else {
+                continue;
+            };
+            if waiting.len() + usize::from(next.is_some()) == STACK {
+                continue;
             }
+            *count += 1;
+            waiting.extend(next.replace(Pending {
+                probe: Probe::from_surface(Ray::new(at.position, dir), hit.number, at.scale),
+                weight,
+                depth: depth + 1,
+            }));
         }
     }
     if sum.is_finite() {
@@ -150,7 +157,7 @@ pub(super) fn radiance(
     }
 }
 
-/// What a ray sees that meets `hit`. Where something transparent touches something opaque, as a block of glass touches the table it
+/// What a ray shows that meets `hit`. Where something transparent touches something opaque, as a block of glass touches the table it
 /// stands on, that is the opaque one: it would be seen through the other anyway, and which of the two is nearer
 /// is a matter of rounding.
 fn seen<'s>(world: &World<'s>, probe: &Probe, hit: Hit) -> Option<(Hit, SurfacePoint<'s>)> {
@@ -159,7 +166,7 @@ fn seen<'s>(world: &World<'s>, probe: &Probe, hit: Hit) -> Option<(Hit, SurfaceP
         return Some((hit, at));
     }
     let behind = world
-        .touching(&hit, probe.ray.dir, &at)
+        .touching(&hit, &probe.ray, &at)
         .and_then(|(hit, ray)| Some((hit, world.surface(&hit, &ray)?)));
     Some(
         behind
@@ -171,36 +178,41 @@ fn seen<'s>(world: &World<'s>, probe: &Probe, hit: Hit) -> Option<(Hit, SurfaceP
 /// A ray that goes on from a surface.
 struct Branch {
     dir: DVec3,
+    /// Share of what it sees that reaches the camera.
     weight: Color,
 }
 
-/// The mirrored and the refracted ray at a surface. Total internal reflection adds Kt to the mirror.
-fn split(world: &World<'_>, at: &SurfacePoint<'_>, ray: &Ray) -> (Branch, Branch) {
+/// The mirrored and the refracted ray at a surface that `weight` of what it sends out reaches the camera from,
+/// those that are worth following. Total internal reflection adds Kt to the mirror.
+fn split(
+    world: &World<'_>,
+    at: &SurfacePoint<'_>,
+    ray: &Ray,
+    weight: Color,
+) -> (Option<Branch>, Option<Branch>) {
     let n = at.shading_normal;
-    let cosine = ray.dir.dot(n);
-    let mirrored = ray.dir - n * (2.0 * cosine);
-    let mut mirror = Branch {
-        dir: mirrored / mirrored.length(),
-        weight: world.term(&at.material.mirror(), at),
-    };
-    let mut through = Branch {
-        dir: ray.dir,
-        weight: world.term(&at.material.transmission, at),
-    };
-    if through.weight != Color::ZERO {
+    let mut kr = world.term(&at.material.mirror(), at);
+    let kt = world.term(&at.material.transmission, at);
+    let followed = |share: Color| Some(weight * share).filter(|w| w.max_element() >= LEAST_WEIGHT);
+    let mut through = None;
+    if kt != Color::ZERO {
         let eta = if at.from_front {
             1.0 / at.material.ior
         } else {
             at.material.ior
         };
         match refract(ray.dir, n, eta) {
-            Some(dir) => through.dir = dir,
-            None => {
-                mirror.weight += through.weight;
-                through.weight = Color::ZERO;
-            }
+            Some(dir) => through = followed(kt).map(|weight| Branch { dir, weight }),
+            None => kr += kt,
         }
     }
+    let mirror = followed(kr).map(|weight| {
+        let mirrored = ray.dir - n * (2.0 * ray.dir.dot(n));
+        Branch {
+            dir: mirrored / mirrored.length(),
+            weight,
+        }
+    });
     (mirror, through)
 }
 

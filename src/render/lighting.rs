@@ -2,28 +2,81 @@
 
 use super::{
     integrator::{Counts, Path},
-    world::{Blocker, PACKET, Probe, SurfacePoint, World},
+    world::{Blocker, FewObstacles, PACKET, Probe, SurfacePoint, World},
 };
 use crate::{
     color::Color,
-    math::{DVec3, Ray, shininess_power},
-    scene::{Light, LightKind},
+    math::{DVec3, Exponent, Ray},
+    scene::{Attenuation, LightKind},
 };
 
 /// The terms of a material that the lights need, looked up once for a point.
 pub(super) struct Gloss {
     pub(super) diffuse: Color,
     pub(super) specular: Color,
-    pub(super) shininess: f64,
+    pub(super) exponent: Exponent,
 }
 
-/// One point towards which a shadow ray goes.
-struct LightSample {
-    /// Unit vector towards the light.
-    direction: DVec3,
-    distance: f64,
-    /// Light that arrives where nothing is in between.
-    arriving: Color,
+/// Points towards which shadow rays go, looked at together: one array for each number, so that arithmetic is done
+/// for several at once, each in the order in which one alone would have it.
+struct Samples {
+    /// How many there are; what is in the lanes after them does not matter.
+    len: usize,
+    /// Unit vectors towards the light.
+    direction: [Lanes; 3],
+    distance: Lanes,
+    /// Share of the light's color that arrives where nothing is in between.
+    share: Lanes,
+}
+
+/// Enough to keep divisions going; lights of 2 x 2 and 3 x 3 points fill whole ones, or nearly.
+const LANES: usize = 4;
+type Lanes = [f64; LANES];
+
+#[inline(always)]
+fn each(f: impl FnMut(usize) -> f64) -> Lanes {
+    std::array::from_fn(f)
+}
+
+impl Samples {
+    /// Points at these offsets from the point that is shaded; a light without end of fall-off `attenuation` is
+    /// divided among `cells` such points.
+    #[inline(always)]
+    fn new(len: usize, offset: [Lanes; 3], attenuation: &Attenuation, cells: f64) -> Self {
+        let [x, y, z] = &offset;
+        let distance = each(|i| (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]).sqrt());
+        Self {
+            len,
+            direction: offset.map(|o| each(|i| o[i] / distance[i])),
+            share: fall_off(attenuation, &distance, cells),
+            distance,
+        }
+    }
+
+    #[inline(always)]
+    fn towards(&self, i: usize) -> DVec3 {
+        DVec3::new(self.direction[0][i], self.direction[1][i], self.direction[2][i])
+    }
+}
+
+/// `attenuation.at(distance) / cells`; a light that does not fall off needs no division for each point.
+#[inline(always)]
+fn fall_off(attenuation: &Attenuation, distance: &Lanes, cells: f64) -> Lanes {
+    let even = attenuation.linear == 0.0 && attenuation.quadratic == 0.0;
+    if even && distance.iter().all(|d| d.is_finite()) {
+        [attenuation.at(0.0) / cells; LANES]
+    } else {
+        each(|i| attenuation.at(distance[i]) / cells)
+    }
+}
+
+/// What a point and the one who looks at it have to do with all lights.
+struct Lit<'a> {
+    world: &'a World<'a>,
+    at: &'a SurfacePoint<'a>,
+    number: u64,
+    to_eye: DVec3,
+    gloss: &'a Gloss,
 }
 
 /// Sum over lights of V L (Kd max(N.L, 0) + Ks max(N.H, 0)^s) at a point seen from `eye`.
@@ -41,163 +94,345 @@ pub(super) fn direct(
         return sum;
     }
     let to_eye = eye - at.position;
-    let to_eye = to_eye / to_eye.length();
-    let shade = Shade { world, at, number };
-    let mut waiting = Vec::new();
-    for (index, light) in world.scene.root().lights.iter().enumerate() {
-        let is_area = matches!(light.kind, LightKind::Area { .. });
-        if is_area && path.interrupt.poll() {
-            return Color::ZERO;
-        }
-        for_each_sample(light, index as u64, at.position, path, |sample| {
-            let response = respond(at, to_eye, &sample, gloss);
-            if response == Color::ZERO {
-                return;
-            }
-            counts.shadow += 1;
-            if !is_area {
-                let found = world.blocker(&shade.probe(&sample), reach(&sample));
-                sum += shade.visible(&sample, found) * sample.arriving * response;
-                return;
-            }
-            waiting.push((sample, response));
-            if waiting.len() == PACKET {
-                shade.add_together(&mut sum, &mut waiting);
-            }
-        });
-        shade.add_together(&mut sum, &mut waiting);
-    }
-    sum
-}
-
-/// Calls `visit` with each point of a light, as seen from `p`.
-fn for_each_sample(light: &Light, index: u64, p: DVec3, path: &Path<'_>, mut visit: impl FnMut(LightSample)) {
-    let towards = |position: DVec3, arriving: Color| {
-        let offset = position - p;
-        let distance = offset.length();
-        LightSample {
-            direction: offset / distance,
-            distance,
-            arriving,
-        }
+    let lit = Lit {
+        world,
+        at,
+        number,
+        to_eye: to_eye / to_eye.length(),
+        gloss,
     };
-    match &light.kind {
-        LightKind::Directional { direction } => {
-            visit(LightSample {
-                direction: *direction,
-                distance: f64::INFINITY,
-                arriving: light.color,
-            });
-        }
-        LightKind::Point {
-            position,
-            attenuation,
-        } => {
-            let sample = towards(*position, light.color);
-            visit(LightSample {
-                arriving: sample.arriving * attenuation.at(sample.distance),
-                ..sample
-            });
-        }
-        LightKind::Area {
-            corner,
-            edge1,
-            edge2,
-            n,
-            attenuation,
-        } => {
-            let cells = f64::from(n * n);
-            for row in 0..*n {
-                for column in 0..*n {
-                    let cell = u64::from(row * n + column);
-                    let (u, v) = (path.random(index, 2 * cell), path.random(index, 2 * cell + 1));
-                    let a = (f64::from(column) + u) / f64::from(*n);
-                    let b = (f64::from(row) + v) / f64::from(*n);
-                    let sample = towards(*corner + *edge1 * a + *edge2 * b, light.color);
-                    let arriving = sample.arriving * (attenuation.at(sample.distance) / cells);
-                    visit(LightSample { arriving, ..sample });
+    for (index, light) in world.scene.root().lights.iter().enumerate() {
+        match &light.kind {
+            LightKind::Directional { direction } => {
+                lit.add(&mut sum, light.color, *direction, f64::INFINITY, counts);
+            }
+            LightKind::Point {
+                position,
+                attenuation,
+            } => {
+                let offset = *position - at.position;
+                if lit.is_behind(offset) {
+                    continue;
+                }
+                let distance = offset.length();
+                let color = light.color * attenuation.at(distance);
+                lit.add(&mut sum, color, offset / distance, distance, counts);
+            }
+            LightKind::Area {
+                corner,
+                edge1,
+                edge2,
+                n,
+                attenuation,
+            } => {
+                if path.interrupt.poll() {
+                    return Color::ZERO;
+                }
+                let area = Area {
+                    corner: *corner,
+                    edges: [*edge1, *edge2],
+                    n: *n,
+                    index: index as u64,
+                };
+                let few = lit.obstacles(&area, &mut counts.luck);
+                let mut together = few.is_none().then(|| Together::new(&lit));
+                for first in (0..n * n).step_by(LANES) {
+                    let samples = area.samples(first, at.position, attenuation, path);
+                    match &mut together {
+                        Some(together) => together.add(&mut sum, light.color, &samples, counts),
+                        None => lit.add_samples(&mut sum, light.color, &samples, few.as_ref(), counts),
+                    }
+                }
+                if let Some(mut together) = together {
+                    together.finish(&mut sum);
                 }
             }
         }
     }
+    sum
 }
 
-/// Kd max(N.L, 0) + Ks max(N.H, 0)^s (Blinn, 1977, with H halfway between light and eye).
-fn respond(at: &SurfacePoint<'_>, to_eye: DVec3, sample: &LightSample, gloss: &Gloss) -> Color {
-    let n = at.shading_normal;
-    let mut response = Color::ZERO;
-    let cosine = n.dot(sample.direction);
-    if cosine > 0.0 {
-        response += gloss.diffuse * cosine;
+/// Whether looking for the obstacles before area lights led to anything lately. After misses in a row it is left out
+/// for a while, which changes the time a picture takes and nothing else.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Luck {
+    misses: u32,
+    pause: u32,
+}
+
+impl Luck {
+    fn is_worth_a_try(&mut self) -> bool {
+        let now = self.pause == 0;
+        self.pause = self.pause.saturating_sub(1);
+        now
     }
-    if gloss.specular != Color::ZERO {
-        let half = sample.direction + to_eye;
-        let cosine = n.dot(half) / half.length();
+
+    fn remember(&mut self, found: bool) {
+        self.misses = if found { 0 } else { (self.misses + 1).min(6) };
+        self.pause = (1 << self.misses) - 1;
+    }
+}
+
+/// A light of n x n cells, one jittered point in each.
+struct Area {
+    corner: DVec3,
+    edges: [DVec3; 2],
+    n: u32,
+    /// Among the lights.
+    index: u64,
+}
+
+impl Area {
+    /// Its points from cell `first` on, as seen from `p`.
+    fn samples(&self, first: u32, p: DVec3, attenuation: &Attenuation, path: &Path<'_>) -> Samples {
+        let cells = self.n * self.n;
+        let (mut a, mut b) = ([0.0; LANES], [0.0; LANES]);
+        let len = LANES.min((cells - first) as usize);
+        let (mut row, mut column) = (first / self.n, first % self.n);
+        for i in 0..len {
+            let cell = u64::from(first) + i as u64;
+            a[i] = f64::from(column) + path.random(self.index, 2 * cell);
+            b[i] = f64::from(row) + path.random(self.index, 2 * cell + 1);
+            column += 1;
+            if column == self.n {
+                (row, column) = (row + 1, 0);
+            }
+        }
+        let n = f64::from(self.n);
+        // A division by a power of 2 is a product, to the bit.
+        let (a, b) = if self.n.is_power_of_two() {
+            (each(|i| a[i] * (1.0 / n)), each(|i| b[i] * (1.0 / n)))
+        } else {
+            (each(|i| a[i] / n), each(|i| b[i] / n))
+        };
+        let [edge1, edge2] = self.edges;
+        let offset = [0, 1, 2].map(|k| each(|i| self.corner[k] + edge1[k] * a[i] + edge2[k] * b[i] - p[k]));
+        Samples::new(len, offset, attenuation, f64::from(cells))
+    }
+
+    fn corners(&self) -> [DVec3; 4] {
+        let [edge1, edge2] = self.edges;
+        [
+            self.corner,
+            self.corner + edge1,
+            self.corner + edge1 + edge2,
+            self.corner + edge2,
+        ]
+    }
+}
+
+impl Lit<'_> {
+    /// What may stand before an area light, where that is little.
+    fn obstacles(&self, area: &Area, luck: &mut Luck) -> Option<FewObstacles> {
+        // One ray finds out as much.
+        if area.n == 1 || !luck.is_worth_a_try() {
+            return None;
+        }
+        let rays = (area.n * area.n) as usize;
+        let few = self.world.obstacles(self.at, self.number, area.corners(), rays);
+        luck.remember(few.is_some());
+        few
+    }
+
+    /// True only where light from `offset` adds nothing: so far behind the surface that no rounding gives N.L or,
+    /// where there is a highlight, N.H a sign other than minus. Spares most lights a root and four divisions.
+    #[inline]
+    fn is_behind(&self, offset: DVec3) -> bool {
+        let n = self.at.shading_normal;
+        let along = n.dot(offset);
+        let mut least = 1e-7;
+        if self.gloss.specular != Color::ZERO {
+            // N.H has the sign of N.L + N.V.
+            least += n.dot(self.to_eye).max(0.0);
+        }
+        along < 0.0 && along * along > least * least * offset.dot(offset)
+    }
+
+    /// Adds what comes from one point of a light to `sum`.
+    #[inline]
+    fn add(&self, sum: &mut Color, arriving: Color, towards: DVec3, distance: f64, counts: &mut Counts) {
+        let response = self.respond(towards);
+        if response != Color::ZERO {
+            counts.shadow += 1;
+            *sum += self.visibility(towards, distance, None) * arriving * response;
+        }
+    }
+
+    /// Kd max(N.L, 0) + Ks max(N.H, 0)^s (Blinn, 1977, with H halfway between light and eye).
+    #[inline]
+    fn respond(&self, towards: DVec3) -> Color {
+        let n = self.at.shading_normal;
+        let mut response = Color::ZERO;
+        let cosine = n.dot(towards);
         if cosine > 0.0 {
-            response += gloss.specular * shininess_power(cosine.min(1.0), gloss.shininess);
+            response += self.gloss.diffuse * cosine;
+        }
+        if self.gloss.specular != Color::ZERO {
+            let half = towards + self.to_eye;
+            let along = n.dot(half);
+            // Behind the surface before the division as after it.
+            let cosine = if along > 0.0 { along / half.length() } else { 0.0 };
+            if cosine > 0.0 {
+                response += self.gloss.specular * self.gloss.exponent.of(cosine.min(1.0));
+            }
+        }
+        response
+    }
+
+    /// As [`Lit::add`] for each of several points in turn, `color` being the light's.
+    fn add_samples(
+        &self,
+        sum: &mut Color,
+        color: Color,
+        samples: &Samples,
+        few: Option<&FewObstacles>,
+        counts: &mut Counts,
+    ) {
+        let response = self.respond_to_all(samples);
+        let arriving = [0, 1, 2].map(|k| each(|i| color[k] * samples.share[i]));
+        let lit = |i: usize| response[0][i] != 0.0 || response[1][i] != 0.0 || response[2][i] != 0.0;
+        if few.is_some_and(FewObstacles::is_empty) {
+            let seen: [bool; LANES] = std::array::from_fn(|i| i < samples.len && lit(i));
+            // To add 0 changes no sum: one that began with 0 is never -0.
+            let [x, y, z] = [0, 1, 2].map(|k| {
+                each(|i| {
+                    if seen[i] {
+                        arriving[k][i] * response[k][i]
+                    } else {
+                        0.0
+                    }
+                })
+            });
+            for i in 0..LANES {
+                counts.shadow += u64::from(seen[i]);
+                *sum += Color::new(x[i], y[i], z[i]);
+            }
+            return;
+        }
+        for i in (0..samples.len).filter(|i| lit(*i)) {
+            counts.shadow += 1;
+            let visible = self.visibility(samples.towards(i), samples.distance[i], few);
+            let at = |lanes: &[Lanes; 3]| Color::new(lanes[0][i], lanes[1][i], lanes[2][i]);
+            *sum += visible * at(&arriving) * at(&response);
         }
     }
-    response
-}
 
-/// How far a shadow ray looks: a light may lie in the very surface that shows where it is, so it stops short of it.
-fn reach(sample: &LightSample) -> f64 {
-    sample.distance * (1.0 - 1e-7)
-}
-
-/// The point whose shadow rays are traced.
-struct Shade<'a, 's> {
-    world: &'a World<'s>,
-    at: &'a SurfacePoint<'s>,
-    number: u64,
-}
-
-impl Shade<'_, '_> {
-    fn probe(&self, sample: &LightSample) -> Probe {
-        let ray = Ray::new(self.at.position, sample.direction);
-        Probe::from_surface(ray, self.number, self.at.scale)
-    }
-
-    /// The share of a sample's light that comes through where this was `found` in between.
-    fn visible(&self, sample: &LightSample, found: Blocker) -> Color {
-        match found {
-            Blocker::None => Color::ONE,
-            Blocker::Opaque => Color::ZERO,
-            Blocker::Transparent => through(self.world, self.probe(sample), reach(sample)),
+    /// As [`Lit::respond`] for each of several points.
+    #[inline]
+    fn respond_to_all(&self, samples: &Samples) -> [Lanes; 3] {
+        let n = self.at.shading_normal;
+        let along_n = |[x, y, z]: &[Lanes; 3]| each(|i| n.x * x[i] + n.y * y[i] + n.z * z[i]);
+        let cosine = along_n(&samples.direction);
+        let Gloss {
+            diffuse,
+            specular,
+            exponent,
+        } = *self.gloss;
+        let response = [0, 1, 2].map(|k| {
+            each(|i| {
+                if cosine[i] > 0.0 {
+                    diffuse[k] * cosine[i]
+                } else {
+                    0.0
+                }
+            })
+        });
+        if specular == Color::ZERO {
+            return response;
         }
-    }
-
-    /// Adds up to [`PACKET`] waiting samples and their responses to `sum`, in order; their shadow rays are traced
-    /// together.
-    fn add_together(&self, sum: &mut Color, waiting: &mut Vec<(LightSample, Color)>) {
-        let probes: Vec<Probe> = waiting.iter().map(|(sample, _)| self.probe(sample)).collect();
-        let reaches: Vec<f64> = waiting.iter().map(|(sample, _)| reach(sample)).collect();
-        let mut found = vec![Blocker::None; waiting.len()];
-        self.world.blockers(&probes, &reaches, &mut found);
-        for ((sample, response), found) in waiting.drain(..).zip(found) {
-            *sum += self.visible(&sample, found) * sample.arriving * response;
-        }
-    }
-}
-
-/// The product of Kt of the transparent surfaces that a ray meets; 0 behind anything opaque.
-fn through(world: &World<'_>, mut probe: Probe, mut rest: f64) -> Color {
-    let dir = probe.ray.dir;
-    let mut through = Color::ONE;
-    // Each turn passes one transparent surface. Nobody looks through more than these.
-    for _ in 0..1024 {
-        let Some(hit) = world.nearest(&probe, rest) else {
-            return through;
+        let half = [0, 1, 2].map(|k| each(|i| samples.direction[k][i] + self.to_eye[k]));
+        let length = {
+            let [x, y, z] = &half;
+            each(|i| (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]).sqrt())
         };
-        let Some(surface) = world.surface(&hit, &probe.ray) else {
-            return Color::ZERO;
-        };
-        through *= world.term(&surface.material.transmission, &surface);
-        if through == Color::ZERO {
-            return through;
-        }
-        rest -= hit.t;
-        probe = Probe::from_surface(Ray::new(surface.position, dir), hit.number, surface.scale);
+        let along = along_n(&half);
+        let cosine = each(|i| along[i] / length[i]);
+        let power = exponent.of_each(&each(|i| cosine[i].min(1.0)));
+        [0, 1, 2].map(|k| {
+            each(|i| {
+                response[k][i]
+                    + if cosine[i] > 0.0 {
+                        specular[k] * power[i]
+                    } else {
+                        0.0
+                    }
+            })
+        })
     }
-    Color::ZERO
+
+    /// The share of light that comes through from a point of a light.
+    fn visibility(&self, towards: DVec3, distance: f64, few: Option<&FewObstacles>) -> Color {
+        let (probe, reach) = self.shadow_ray(towards, distance);
+        self.world.share_through(&probe, reach, few)
+    }
+
+    /// The ray to a point of a light, and how far it looks.
+    #[inline]
+    fn shadow_ray(&self, towards: DVec3, distance: f64) -> (Probe, f64) {
+        let at = self.at;
+        let probe = Probe::from_surface(Ray::new(at.position, towards), self.number, at.scale);
+        // A light may lie in the very surface that shows where it is: stop short of it.
+        (probe, distance * (1.0 - 1e-7))
+    }
+}
+
+/// Points of an area light whose shadow rays are traced together.
+struct Together<'l, 'a> {
+    lit: &'l Lit<'a>,
+    len: usize,
+    probes: [Probe; PACKET],
+    reach: [f64; PACKET],
+    /// What arrives where nothing is in between, and what the surface makes of it.
+    arriving: [Color; PACKET],
+    response: [Color; PACKET],
+}
+
+impl<'l, 'a> Together<'l, 'a> {
+    fn new(lit: &'l Lit<'a>) -> Self {
+        let (probe, reach) = lit.shadow_ray(lit.at.shading_normal, 0.0);
+        Self {
+            lit,
+            len: 0,
+            probes: [probe; PACKET],
+            reach: [reach; PACKET],
+            arriving: [Color::ZERO; PACKET],
+            response: [Color::ZERO; PACKET],
+        }
+    }
+
+    /// As [`Lit::add_samples`], now or later.
+    fn add(&mut self, sum: &mut Color, color: Color, samples: &Samples, counts: &mut Counts) {
+        let response = self.lit.respond_to_all(samples);
+        for i in 0..samples.len {
+            let response = Color::new(response[0][i], response[1][i], response[2][i]);
+            if response == Color::ZERO {
+                continue;
+            }
+            counts.shadow += 1;
+            let at = self.len % PACKET;
+            (self.probes[at], self.reach[at]) = self.lit.shadow_ray(samples.towards(i), samples.distance[i]);
+            self.arriving[at] = color * samples.share[i];
+            self.response[at] = response;
+            self.len += 1;
+            if self.len == PACKET {
+                self.finish(sum);
+            }
+        }
+    }
+
+    /// Adds what waits, in order.
+    fn finish(&mut self, sum: &mut Color) {
+        let (len, world) = (self.len.min(PACKET), self.lit.world);
+        let mut found = [Blocker::None; PACKET];
+        world.blockers(&self.probes[..len], &self.reach[..len], &mut found[..len]);
+        for (i, found) in found[..len].iter().enumerate() {
+            let visible = match found {
+                Blocker::None => Color::ONE,
+                Blocker::Opaque => Color::ZERO,
+                Blocker::Transparent => world.share_through(&self.probes[i], self.reach[i], None),
+            };
+            *sum += visible * self.arriving[i] * self.response[i];
+        }
+        self.len = 0;
+    }
 }

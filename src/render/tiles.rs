@@ -2,7 +2,7 @@
 
 use std::sync::{
     Mutex,
-    atomic::{AtomicU64, Ordering},
+    atomic::{AtomicU64, AtomicUsize, Ordering},
 };
 
 use rayon::prelude::*;
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::{
     Progress,
     film::Image,
-    integrator::{self, Counts},
+    integrator::{self, Counts, Stack},
     interrupt::Interrupt,
     sampler::{Sampler, stratified},
     world::{PACKET, Probe, World},
@@ -26,67 +26,116 @@ pub(super) fn trace(world: &World<'_>, host: &dyn Host) -> Option<(Image, Counts
     let total = u64::from(s.width) * u64::from(s.height);
     let frame = world.scene.camera.frame(s.width, s.height);
     let (done, rays, interrupt) = (AtomicU64::new(0), AtomicU64::new(0), Interrupt::new(host));
-    let counts = Mutex::new(Counts::default());
+    let finished = Mutex::new((vec![[0.0; 3]; total as usize], Counts::default()));
+    let tiles = from_the_middle(s.width.div_ceil(TILE), s.height.div_ceil(TILE));
+    let next = AtomicUsize::new(0);
 
-    let mut pixels = vec![[0.0; 3]; total as usize];
-    let band = TILE as usize * s.width as usize;
-    // Rows of tiles own their part of the picture; tiles within a row are joined afterwards, which costs a copy
-    // and keeps this free of shared mutable pixels.
-    pixels
-        .par_chunks_mut(band.max(1))
-        .enumerate()
-        .for_each(|(row, pixels)| {
-            let y0 = row as u32 * TILE;
-            let rows = (pixels.len() / s.width as usize) as u32;
-            let tiles: Vec<(u32, Vec<[f64; 3]>)> = (0..s.width.div_ceil(TILE))
-                .into_par_iter()
-                .filter_map(|column| {
-                    if interrupt.poll() {
-                        return None;
-                    }
-                    let (x0, columns) = (column * TILE, TILE.min(s.width - column * TILE));
-                    let mut own = Counts::default();
-                    let tile = Tile {
-                        world,
-                        frame: &frame,
-                        interrupt: &interrupt,
-                        at: (x0, y0),
-                        size: (columns, rows),
-                    }
-                    .trace(&mut own);
-                    let finished = u64::from(rows * columns);
-                    let progress = Progress {
-                        done: done.fetch_add(finished, Ordering::Relaxed) + finished,
-                        total,
-                        rays: rays.fetch_add(own.total(), Ordering::Relaxed) + own.total(),
-                    };
-                    host.progress(&progress);
-                    if let Ok(mut counts) = counts.lock() {
-                        counts.add(&own);
-                    }
-                    Some((x0, tile))
-                })
-                .collect();
-            for (x0, tile) in tiles {
-                let columns = TILE.min(s.width - x0) as usize;
-                for (y, line) in tile.chunks(columns).enumerate() {
+    // Each thread takes the next tile when it is done with one, so at the end none waits for more than a tile.
+    (0..rayon::current_num_threads()).into_par_iter().for_each(|_| {
+        let (mut own, mut stack) = (Counts::default(), Stack::default());
+        let mut tile = vec![[0.0; 3]; (TILE * TILE) as usize];
+        while let Some(&(column, row)) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
+            if interrupt.poll() {
+                break;
+            }
+            let (x0, y0) = (column * TILE, row * TILE);
+            let (columns, rows) = (TILE.min(s.width - x0), TILE.min(s.height - y0));
+            let before = own.total();
+            for square in squares((columns, rows), s.samples) {
+                Square {
+                    world,
+                    frame: &frame,
+                    interrupt: &interrupt,
+                    at: (x0 + square.left, y0 + square.top),
+                    size: (square.columns, square.rows),
+                }
+                .trace(&mut stack, &mut own, |i, mean| {
+                    let (x, y) = (square.left + i % square.columns, square.top + i / square.columns);
+                    tile[(y * columns + x) as usize] = mean.to_array();
+                });
+            }
+            if let Ok(mut finished) = finished.lock() {
+                let lines = tile.chunks(columns as usize).take(rows as usize);
+                for (line, y) in lines.zip(y0 as usize..) {
                     let start = y * s.width as usize + x0 as usize;
-                    pixels[start..start + columns].copy_from_slice(line);
+                    finished.0[start..start + line.len()].copy_from_slice(line);
                 }
             }
-        });
+            let pixels = u64::from(rows * columns);
+            let new = own.total() - before;
+            host.progress(&Progress {
+                done: done.fetch_add(pixels, Ordering::Relaxed) + pixels,
+                total,
+                rays: rays.fetch_add(new, Ordering::Relaxed) + new,
+            });
+        }
+        if let Ok(mut finished) = finished.lock() {
+            finished.1.add(&own);
+        }
+    });
     if interrupt.is_stopped() {
         return None;
     }
-    let counts = counts.into_inner().unwrap_or_default();
+    let (pixels, counts) = finished.into_inner().ok()?;
     Some((Image::new(s.width, s.height, s.encoding, pixels), counts))
+}
+
+/// Columns and rows of all tiles in rings around the middle, where a picture has its subject; along a ring from
+/// neighbor to neighbor, which finds in the caches what the last one left there.
+fn from_the_middle(columns: u32, rows: u32) -> Vec<(u32, u32)> {
+    let mut tiles: Vec<(u32, u32)> = (0..rows)
+        .flat_map(|row| (0..columns).map(move |column| (column, row)))
+        .collect();
+    tiles.sort_unstable_by_key(|&(column, row)| {
+        // In half tiles from the middle.
+        let x = 2 * i64::from(column) + 1 - i64::from(columns);
+        let y = 2 * i64::from(row) + 1 - i64::from(rows);
+        let ring = x.abs().max(y.abs());
+        let along = if y == -ring {
+            x
+        } else if x == ring {
+            2 * ring + y
+        } else if y == ring {
+            4 * ring - x
+        } else {
+            6 * ring - y
+        };
+        (ring, along)
+    });
+    tiles
 }
 
 /// Samples of one pixel between two looks at the interrupt.
 const SAMPLES_PER_POLL: u32 = 16;
 
-/// Part of the picture.
-struct Tile<'a> {
+/// Part of a tile.
+struct Part {
+    left: u32,
+    top: u32,
+    columns: u32,
+    rows: u32,
+}
+
+/// A tile in squares whose camera rays fill a packet: the smaller the square, the closer the rays.
+fn squares((columns, rows): (u32, u32), samples: u32) -> impl Iterator<Item = Part> {
+    let edge = [8, 4, 2]
+        .into_iter()
+        .find(|edge| samples <= PACKET as u32 / (edge * edge))
+        .unwrap_or(1);
+    let tops = (0..rows).step_by(edge as usize);
+    tops.flat_map(move |top| {
+        let lefts = (0..columns).step_by(edge as usize);
+        lefts.map(move |left| Part {
+            left,
+            top,
+            columns: edge.min(columns - left),
+            rows: edge.min(rows - top),
+        })
+    })
+}
+
+/// Pixels whose camera rays are traced together.
+struct Square<'a> {
     world: &'a World<'a>,
     frame: &'a CameraFrame,
     interrupt: &'a Interrupt<'a>,
@@ -96,66 +145,71 @@ struct Tile<'a> {
     size: (u32, u32),
 }
 
-impl Tile<'_> {
-    /// All pixels, row by row. They are traced in squares whose camera rays fill a packet: the smaller the square, the
-    /// closer the rays.
-    fn trace(&self, counts: &mut Counts) -> Vec<[f64; 3]> {
-        let (columns, rows) = self.size;
-        let edge = [8, 4, 2, 1]
-            .into_iter()
-            .find(|edge| edge * edge * self.world.scene.settings.samples as usize <= PACKET)
-            .unwrap_or(1);
-        let mut pixels = vec![[0.0; 3]; (columns * rows) as usize];
-        for top in (0..rows).step_by(edge) {
-            for left in (0..columns).step_by(edge) {
-                let width = (edge as u32).min(columns - left);
-                let square: Vec<(u32, u32)> = (0..width * (edge as u32).min(rows - top))
-                    .map(|i| (left + i % width, top + i / width))
-                    .collect();
-                for (&(x, y), mean) in square.iter().zip(self.square(&square, counts)) {
-                    pixels[(y * columns + x) as usize] = mean.to_array();
-                }
-            }
-        }
-        pixels
-    }
-
-    /// The mean of each pixel's samples, summed in order.
-    fn square(&self, pixels: &[(u32, u32)], counts: &mut Counts) -> [Color; PACKET] {
-        let s = &self.world.scene.settings;
+impl Square<'_> {
+    /// Calls `visit` with each pixel's place, counted row by row, and the mean of its samples, summed in order.
+    fn trace(&self, stack: &mut Stack, counts: &mut Counts, mut visit: impl FnMut(u32, Color)) {
+        let samples = self.world.scene.settings.samples;
+        let pixels = self.size.0 * self.size.1;
         let mut sums = [Color::ZERO; PACKET];
-        let at_once = (PACKET / pixels.len().max(1)) as u32;
-        for first in (0..s.samples).step_by(at_once.max(1) as usize) {
-            let indices = first..s.samples.min(first + at_once);
-            let shots: Vec<(Probe, Sampler)> = pixels
-                .iter()
-                .flat_map(|&pixel| indices.clone().map(move |index| self.shot(pixel, index)))
-                .collect();
-            let probes: Vec<Probe> = shots.iter().map(|(probe, _)| *probe).collect();
+        let at_once = (PACKET as u32 / pixels.max(1)).max(1);
+        for first in (0..samples).step_by(at_once as usize) {
+            let indices = first..samples.min(first + at_once);
+            let count = (indices.end - indices.start) as usize;
+            let shot = |i: usize| self.shot((i / count) as u32, first + (i % count) as u32);
+            let (probe, sampler) = shot(0);
+            let (mut probes, mut samplers) = ([probe; PACKET], [sampler; PACKET]);
+            let len = PACKET.min(pixels as usize * count);
+            for i in 1..len {
+                (probes[i], samplers[i]) = shot(i);
+            }
             let mut hits = [None; PACKET];
-            let hits = &mut hits[..probes.len()];
-            self.world.nearest_many(&probes, f64::INFINITY, hits);
-            let mut shots = shots.iter().zip(hits);
-            for sum in &mut sums[..pixels.len()] {
-                for (index, ((probe, sampler), hit)) in indices.clone().zip(&mut shots) {
-                    let polls = index % SAMPLES_PER_POLL == SAMPLES_PER_POLL - 1;
-                    if polls && self.interrupt.poll() {
-                        return sums;
-                    }
-                    *sum += integrator::radiance(self.world, *probe, *hit, *sampler, self.interrupt, counts);
+            let hits = &mut hits[..len];
+            self.world.nearest_many(&probes[..len], f64::INFINITY, hits);
+            for (((probe, sampler), hit), i) in probes.iter().zip(&samplers).zip(hits).zip(0..) {
+                let index = first + (i % count) as u32;
+                if index % SAMPLES_PER_POLL == SAMPLES_PER_POLL - 1 && self.interrupt.poll() {
+                    return;
                 }
+                let seen = (*probe, *hit);
+                let light = integrator::radiance(self.world, seen, *sampler, self.interrupt, stack, counts);
+                sums[i / count] += light;
             }
         }
-        sums.map(|sum| sum / f64::from(s.samples))
+        for (sum, i) in sums.into_iter().zip(0..pixels) {
+            visit(i, sum / f64::from(samples));
+        }
     }
 
     /// The camera ray of a pixel's sample.
-    fn shot(&self, (x, y): (u32, u32), index: u32) -> (Probe, Sampler) {
+    fn shot(&self, pixel: u32, index: u32) -> (Probe, Sampler) {
         let s = &self.world.scene.settings;
-        let (x, y) = (self.at.0 + x, self.at.1 + y);
+        let (x, y) = (self.at.0 + pixel % self.size.0, self.at.1 + pixel / self.size.0);
         let sampler = Sampler::new(s.seed, x, y, index);
         let (dx, dy) = stratified(index, s.samples, |dimension| sampler.get(dimension));
         let ray = self.frame.ray(f64::from(x) + dx, f64::from(y) + dy);
         (Probe::from_space(ray), sampler)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_come_once_each_from_the_middle_on() {
+        for (columns, rows) in [(1, 1), (5, 5), (8, 3), (1, 7), (40, 30)] {
+            let tiles = from_the_middle(columns, rows);
+            let mut sorted = tiles.clone();
+            sorted.sort_unstable();
+            sorted.dedup();
+            assert_eq!(sorted.len(), (columns * rows) as usize);
+            let (x, y) = tiles[0];
+            assert!((2 * x + 1).abs_diff(columns) <= 1 && (2 * y + 1).abs_diff(rows) <= 1);
+        }
+        let ring = &from_the_middle(5, 5)[1..9];
+        assert!(
+            ring.windows(2)
+                .all(|w| w[0].0.abs_diff(w[1].0) + w[0].1.abs_diff(w[1].1) == 1)
+        );
     }
 }

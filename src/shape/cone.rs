@@ -110,24 +110,28 @@ impl Cone {
         }
     }
 
-    pub(super) fn surface(&self, p: DVec3, part: u8) -> Surface {
+    #[inline]
+    pub(super) fn normal(&self, p: DVec3, part: u8) -> DVec3 {
         if part != SIDE {
-            return Surface {
-                normal: DVec3::NEG_Y,
-                uv: cap_uv(p.x, p.z, self.radius),
-            };
+            return DVec3::NEG_Y;
         }
-        let (r, h) = (self.radius, self.height);
         // From the distance to the axis, not from the height: at the apex rounding may lift p above it.
         let rho = (p.x * p.x + p.z * p.z).sqrt();
-        let normal = if rho > 0.0 {
-            DVec3::new(p.x / rho * h, r, p.z / rho * h)
+        if rho > 0.0 {
+            DVec3::new(p.x / rho * self.height, self.radius, p.z / rho * self.height)
         } else {
             DVec3::Y
-        };
+        }
+    }
+
+    pub(super) fn surface(&self, p: DVec3, part: u8) -> Surface {
         Surface {
-            normal,
-            uv: DVec2::new(u_around_y(p.x, p.z), (p.y / h + 0.5).clamp(0.0, 1.0)),
+            normal: self.normal(p, part),
+            uv: if part == SIDE {
+                DVec2::new(u_around_y(p.x, p.z), (p.y / self.height + 0.5).clamp(0.0, 1.0))
+            } else {
+                cap_uv(p.x, p.z, self.radius)
+            },
         }
     }
 }

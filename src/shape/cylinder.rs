@@ -94,19 +94,22 @@ impl Cylinder {
         }
     }
 
-    pub(super) fn surface(&self, p: DVec3, part: u8) -> Surface {
+    #[inline]
+    pub(super) fn normal(&self, p: DVec3, part: u8) -> DVec3 {
         match part {
-            SIDE => Surface {
-                normal: DVec3::new(p.x, 0.0, p.z),
-                uv: DVec2::new(u_around_y(p.x, p.z), (p.y / self.height + 0.5).clamp(0.0, 1.0)),
-            },
-            BOTTOM => Surface {
-                normal: DVec3::NEG_Y,
-                uv: cap_uv(p.x, p.z, self.radius),
-            },
-            _ => Surface {
-                normal: DVec3::Y,
-                uv: cap_uv(p.x, -p.z, self.radius),
+            SIDE => DVec3::new(p.x, 0.0, p.z),
+            BOTTOM => DVec3::NEG_Y,
+            _ => DVec3::Y,
+        }
+    }
+
+    pub(super) fn surface(&self, p: DVec3, part: u8) -> Surface {
+        Surface {
+            normal: self.normal(p, part),
+            uv: match part {
+                SIDE => DVec2::new(u_around_y(p.x, p.z), (p.y / self.height + 0.5).clamp(0.0, 1.0)),
+                BOTTOM => cap_uv(p.x, p.z, self.radius),
+                _ => cap_uv(p.x, -p.z, self.radius),
             },
         }
     }

@@ -199,6 +199,21 @@ shapes! {
     Polygon(Arc<Polygon>) = "polygon";
 }
 
+impl Shape {
+    /// The normal of [`Shape::surface`] alone: the texture coordinates of round shapes are angles, which cost
+    /// more than the rest.
+    #[inline]
+    pub(crate) fn normal(&self, p: DVec3, part: u8) -> DVec3 {
+        match self {
+            Self::Sphere(s) => s.normal(p),
+            Self::Cylinder(s) => s.normal(p, part),
+            Self::Cone(s) => s.normal(p, part),
+            Self::Torus(s) => s.normal(p),
+            _ => self.surface(p, part).normal,
+        }
+    }
+}
+
 /// Whether a shape encloses a volume.
 trait Solidity {
     const SOLID: bool;

@@ -85,8 +85,13 @@ impl Sphere {
         }
     }
 
+    #[inline]
+    pub(super) fn normal(&self, p: DVec3) -> DVec3 {
+        p - self.center
+    }
+
     pub(super) fn surface(&self, p: DVec3, _part: u8) -> Surface {
-        let normal = p - self.center;
+        let normal = self.normal(p);
         let n = normal / self.radius;
         let v = math::asin(n.y.clamp(-1.0, 1.0)) / PI + 0.5;
         Surface {

@@ -116,23 +116,35 @@ impl Torus {
         }
     }
 
-    pub(super) fn surface(&self, p: DVec3, _part: u8) -> Surface {
-        let rho = (p.x * p.x + p.z * p.z).sqrt();
-        let from_ring = rho - self.major;
+    #[inline]
+    pub(super) fn normal(&self, p: DVec3) -> DVec3 {
+        let (rho, from_ring) = self.ring_distances(p);
         let radial = if rho > 0.0 {
             DVec3::new(p.x / rho, 0.0, p.z / rho)
         } else {
             DVec3::ZERO
         };
         let normal = radial * from_ring + DVec3::Y * p.y;
+        // Zero only where the tube closes the hole and touches itself in the center.
+        if normal == DVec3::ZERO { DVec3::Y } else { normal }
+    }
+
+    pub(super) fn surface(&self, p: DVec3, _part: u8) -> Surface {
+        let (_, from_ring) = self.ring_distances(p);
         Surface {
-            // Zero only where the tube closes the hole and touches itself in the center.
-            normal: if normal == DVec3::ZERO { DVec3::Y } else { normal },
+            normal: self.normal(p),
             uv: DVec2::new(
                 u_around_y(p.x, p.z),
                 math::atan2(p.y, from_ring) / (2.0 * PI) + 0.5,
             ),
         }
+    }
+
+    /// Distance of a point to the axis, and how far that is outside the ring.
+    #[inline]
+    fn ring_distances(&self, p: DVec3) -> (f64, f64) {
+        let rho = (p.x * p.x + p.z * p.z).sqrt();
+        (rho, rho - self.major)
     }
 }
 

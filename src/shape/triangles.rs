@@ -7,7 +7,7 @@ use super::triangle::{TriangleHit, TriangleRay, spans};
 use crate::math::{DVec3, Ray};
 
 /// Most rays at once.
-const MANY: usize = 64;
+pub(crate) const MANY: usize = 16;
 
 /// One number for each ray.
 type Row = [f64; MANY];
@@ -29,7 +29,7 @@ impl ManyTriangles {
         hits: [[0.0; MANY]; 3],
     };
 
-    /// Adds a ray, which has a finite direction that is not zero, and its triangle; no more than 64.
+    /// Adds a ray, which has a finite direction that is not zero, and its triangle; no more than [`MANY`].
     #[inline(always)]
     pub(crate) fn push(&mut self, ray: &Ray, corners: [DVec3; 3]) {
         let at = self.len & (MANY - 1);
@@ -50,7 +50,7 @@ impl ManyTriangles {
         let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = &self.corners;
         let [ts, us, vs] = &mut self.hits;
         // Whole registers: what lies beyond is tested too, and not looked at.
-        for i in 0..self.len.next_multiple_of(8).min(MANY) {
+        for i in 0..self.len.next_multiple_of(4).min(MANY) {
             let (shear_x, shear_y, t_per_z) = (dx[i] / dz[i], dy[i] / dz[i], 1.0 / dz[i]);
             let (az, bz, cz) = (az[i], bz[i], cz[i]);
             let (ax, ay) = (ax[i] - shear_x * az, ay[i] - shear_y * az);
@@ -126,6 +126,6 @@ mod tests {
                 met += usize::from(found.is_some());
             }
         }
-        assert!(met > 20_000, "{met}");
+        assert!(met > 5_000, "{met}");
     }
 }

@@ -89,14 +89,15 @@ pub(super) struct Met {
 }
 
 impl RayPacket {
-    /// Which of the `active` rays may hit a triangle. `lowest` receives lower bounds of t for those. Without `ANY`
-    /// what is certain lowers the bounds.
+    /// Which of the `active` rays may hit a triangle. Without `ANY` what is certain lowers the bounds, and where it is
+    /// nearer than what was certain before it takes its place and is not returned; `lowest` receives lower bounds of
+    /// t for the others.
     #[inline(always)]
     pub(super) fn triangle<W: Wide, const ANY: bool>(
         &mut self,
         w: W,
         seen: &Seen,
-        lane: usize,
+        (lane, id): (usize, u32),
         active: u64,
         lowest: &mut Row,
     ) -> Met {
@@ -112,6 +113,7 @@ impl RayPacket {
         let least_t = w.splat(self.t_least);
         let (shrink, grow) = (w.splat(1.0 - 1e-6), w.splat(1.0 + 1e-6));
         let infinity = w.splat(f32::INFINITY);
+        let id = w.splat(f32::from_bits(id));
         let mut met = Met {
             possible: 0,
             certain: 0,
@@ -145,7 +147,6 @@ impl RayPacket {
             if possible == 0 {
                 continue;
             }
-            met.possible |= possible << shift;
             let low = w.mul(w.div(t_low, det_high), shrink);
             let high = w.mul(w.div(t_high, w.sub(det, slack_det)), grow);
             let inside = w.min(w.sub(rest, slack), w.min(u, v));
@@ -153,15 +154,26 @@ impl RayPacket {
                 w.and(face_on, w.below(slack, inside)),
                 w.and(w.below(least_t, low), w.below(high, bound)),
             );
-            met.certain |= (w.bits(certain) & here) << shift;
-            if !ANY {
+            if ANY {
+                met.possible |= possible << shift;
+                met.certain |= (w.bits(certain) & here) << shift;
+                continue;
+            }
+            w.store(
+                w.min(w.select(certain, high, infinity), bound),
+                &mut self.bound,
+                group,
+            );
+            let before = w.load(&self.nearest_low, group);
+            let wins = w.and(certain, w.below(high, before));
+            w.store(w.select(wins, low, before), &mut self.nearest_low, group);
+            let before = w.load(&self.nearest_id, group);
+            w.store(w.select(wins, id, before), &mut self.nearest_id, group);
+            let others = possible & !w.bits(wins);
+            if others != 0 {
+                met.possible |= others << shift;
                 // Edge-on the distance means nothing.
                 w.store(w.select(face_on, low, zero), lowest, group);
-                w.store(
-                    w.min(w.select(certain, high, infinity), bound),
-                    &mut self.bound,
-                    group,
-                );
             }
         }
         met
@@ -231,4 +243,141 @@ fn cross(a: [F4; 3], b: [F4; 3]) -> [F4; 3] {
         a[2].mul(b[0]).sub(a[0].mul(b[2])),
         a[0].mul(b[1]).sub(a[1].mul(b[0])),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{
+        super::{Search, wide::Plain},
+        *,
+    };
+    use crate::{
+        accel::NONE,
+        math::{DVec3, Ray, max_abs},
+        shape::{Sphere, triangle::TriangleRay},
+    };
+
+    fn random() -> impl FnMut() -> f64 {
+        let mut state = 9u64;
+        move || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        }
+    }
+
+    /// A packet of rays that ask for everything; `None` where they do not go together.
+    fn packet(rays: &[Ray], extent: f64) -> Option<RayPacket> {
+        let mut packet = RayPacket::EMPTY;
+        let search = Search {
+            extent,
+            t_min: 0.0,
+            skip: NONE,
+        };
+        let bounds = vec![f32::INFINITY; rays.len()];
+        let filled = packet.fill(Plain, rays, &bounds, &search);
+        packet.nearest_low = [f32::INFINITY; PACKET];
+        filled.then_some(packet)
+    }
+
+    /// Packets at triangles of every size, most rays close to an edge, at scales from 1e-5 to 1e8.
+    #[test]
+    fn what_f64_hits_is_never_dropped_and_what_is_certain_lies_between_the_bounds() {
+        let mut next = random();
+        let (mut hits, mut certain, mut dropped) = (0, 0, 0);
+        for round in 0..60_000 {
+            let scale = [1.0, 1e-3, 1e-5, 1e3, 1e8][round % 5];
+            let size = [0.3, 1e-2, 1e-4, 1e-6][round / 5 % 4];
+            let mut vector = |k: f64| DVec3::new(next(), next(), next()) * k;
+            let a = vector(scale);
+            let corners = [a, a + vector(scale * size), a + vector(scale * size)];
+            let origin = vector(3.0 * scale);
+            let rays: Vec<Ray> = (0..11)
+                .map(|i| {
+                    let weights = vector(1.0).abs();
+                    let weights = weights / (weights.x + weights.y + weights.z);
+                    let inside = corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z;
+                    let edge = corners[0] + (corners[1] - corners[0]) * weights.x;
+                    let aim = match i % 4 {
+                        0 => inside,
+                        1 => edge,
+                        2 => edge + vector(1e-7 * scale),
+                        _ => inside + vector(scale * size),
+                    };
+                    Ray::new(
+                        origin,
+                        (aim - origin) / (aim - origin).length() * (0.5 + weights.y),
+                    )
+                })
+                .collect();
+            let extent = corners.iter().map(|c| max_abs(*c)).fold(0.0, f64::max);
+            let Some(mut packet) = packet(&rays, extent) else {
+                continue;
+            };
+            let mut block = Triangles::EMPTY;
+            block.set(2, 7, corners);
+            let seen = Seen::new(&block, &packet);
+            let mut lowest = [0.0; PACKET];
+            let all = (1 << rays.len()) - 1;
+            let met = packet.triangle::<_, true>(Plain, &seen, (2, 7), all, &mut lowest);
+            packet.triangle::<_, false>(Plain, &seen, (2, 7), all, &mut lowest);
+            for (i, ray) in rays.iter().enumerate() {
+                let hit = TriangleRay::new(ray)
+                    .intersect(corners.each_ref())
+                    .filter(|h| h.t > 0.0);
+                let (possible, sure) = (met.possible >> i & 1 == 1, met.certain >> i & 1 == 1);
+                assert!(possible || hit.is_none(), "round {round}: {ray:?} {corners:?}");
+                assert!(!sure || hit.is_some(), "round {round}: {ray:?} {corners:?}");
+                if let Some(hit) = hit.filter(|_| sure) {
+                    let between = f64::from(packet.nearest_low[i])..f64::from(packet.bound[i]);
+                    assert!(between.contains(&hit.t), "round {round}: {} {between:?}", hit.t);
+                }
+                hits += u32::from(hit.is_some());
+                certain += u32::from(sure);
+                dropped += u32::from(!possible);
+            }
+        }
+        assert!(
+            hits > 100_000 && certain > 30_000 && dropped > 30_000,
+            "{hits} {certain} {dropped}"
+        );
+    }
+
+    #[test]
+    fn no_sphere_that_f64_hits_is_dropped() {
+        let mut next = random();
+        let (mut hits, mut dropped) = (0, 0);
+        for round in 0..40_000 {
+            let scale = [1.0, 1e-4, 1e6][round % 3];
+            let mut vector = |k: f64| DVec3::new(next(), next(), next()) * k;
+            let (center, origin) = (vector(scale), vector(3.0 * scale));
+            let radius = scale * [0.2, 1e-3, 1e-7][round / 3 % 3];
+            let rays: Vec<Ray> = (0..9)
+                .map(|i| {
+                    let side = (center - origin).cross(vector(1.0)).normalize();
+                    let aim = center + side * radius * if i % 2 == 0 { 1.0 } else { 1.3 * vector(1.0).x };
+                    Ray::new(
+                        origin,
+                        (aim - origin) / (aim - origin).length() * (1.5 + vector(1.0).x),
+                    )
+                })
+                .collect();
+            let Some(packet) = packet(&rays, max_abs(center) + radius) else {
+                continue;
+            };
+            let mut block = Spheres::EMPTY;
+            block.set(1, 3, center, radius);
+            assert_eq!(packet.sphere(Plain, &block, 0, u64::MAX), 0, "an empty lane");
+            let possible = packet.sphere(Plain, &block, 1, (1 << rays.len()) - 1);
+            for (i, ray) in rays.iter().enumerate() {
+                let hit = Sphere::roots(center, radius, ray).is_some_and(|(_, t1)| t1 > 0.0);
+                let possible = possible >> i & 1 == 1;
+                assert!(possible || !hit, "round {round}: {ray:?} {center} {radius}");
+                hits += u32::from(hit);
+                dropped += u32::from(!possible);
+            }
+        }
+        assert!(hits > 50_000 && dropped > 5_000, "{hits} {dropped}");
+    }
 }

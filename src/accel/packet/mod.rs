@@ -49,6 +49,10 @@ pub struct RayPacket {
     inverse: [Row; 3],
     /// Nothing beyond counts: the distance of what a ray certainly meets, rounded up.
     bound: Row,
+    /// The nearest triangle that is certainly hit (its bits are the id), and the distance rounded down; infinite where
+    /// there is none.
+    nearest_id: Row,
+    nearest_low: Row,
     /// Nothing nearer counts as certain.
     t_least: f32,
     /// The triangle that the rays start on.
@@ -103,6 +107,8 @@ impl RayPacket {
         dir: [[0.0; PACKET]; 3],
         inverse: [[0.0; PACKET]; 3],
         bound: [DONE; PACKET],
+        nearest_id: [0.0; PACKET],
+        nearest_low: [f32::INFINITY; PACKET],
         t_least: 0.0,
         skip: super::NONE,
         slack: Slack::NONE,

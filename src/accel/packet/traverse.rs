@@ -16,6 +16,7 @@ use crate::{
         Bvh, Child, LeafKind, NONE, Simd,
         blocks::{BLOCK, Spheres, Triangles},
         boxes::Node,
+        lanes::prefetch,
     },
     math::Ray,
 };
@@ -49,13 +50,32 @@ pub struct Place<'a> {
     pub spheres: &'a [Spheres],
 }
 
-/// Triangles a ray may hit before f64 is asked.
+impl Place<'_> {
+    /// Asks for a child's memory before it is needed.
+    #[inline(always)]
+    fn prefetch(&self, child: Child) {
+        if child.is_leaf() && child.kind() == LeafKind::Triangles {
+            let block = self
+                .triangles
+                .as_ptr()
+                .wrapping_add(child.range().start)
+                .cast::<u8>();
+            for line in 0..size_of::<Triangles>().div_ceil(64) {
+                prefetch(block.wrapping_add(64 * line));
+            }
+        } else {
+            self.bvh.prefetch(child);
+        }
+    }
+}
+
+/// Triangles a ray may hit before f64 is asked, besides the nearest that is certain.
 const PENDING: usize = 4;
 
 /// What waits for a decision in f64.
 struct Pending {
-    ids: [[u32; PENDING]; PACKET],
-    lowest: [[f32; PENDING]; PACKET],
+    /// Triangles, with a lower bound of t; as many as `count` says.
+    items: [[MaybeUninit<(u32, f32)>; PENDING]; PACKET],
     count: [u8; PACKET],
 }
 
@@ -68,6 +88,15 @@ struct Waiting {
     /// The node that holds the child's box, times eight, plus its lane.
     place: u32,
     entry: f32,
+    /// Registers of rays that reach the node, one bit for each.
+    groups: u32,
+}
+
+/// The planes of a box as seen from the origin, in all lanes. Where directions are mixed, which is nearer differs.
+struct Slab<W: Wide> {
+    near: [W::F; 3],
+    far: [W::F; 3],
+    mixed: bool,
 }
 
 impl RayPacket {
@@ -83,8 +112,8 @@ impl RayPacket {
         decide: &mut impl Decide,
     ) -> bool {
         #[cfg(target_arch = "x86_64")]
-        if Simd::detect() != Simd::Portable && is_x86_feature_detected!("fma") {
-            // SAFETY: both were asked for.
+        if Simd::detect() >= Simd::Avx2 {
+            // SAFETY: `detect` names only what the processor has, and AVX2 only together with FMA.
             return unsafe { self.search_avx2::<ANY>(place, rays, bounds, search, decide) };
         }
         self.search_with::<_, ANY>(Plain, place, rays, bounds, search, decide)
@@ -131,10 +160,10 @@ impl RayPacket {
     fn walk<W: Wide, const ANY: bool>(&mut self, w: W, place: &Place<'_>, decide: &mut impl Decide) {
         let nodes = &place.bvh.nodes[..];
         let mut pending = Pending {
-            ids: [[NONE; PENDING]; PACKET],
-            lowest: [[0.0; PENDING]; PACKET],
+            items: [const { [const { MaybeUninit::uninit() }; PENDING] }; PACKET],
             count: [0; PACKET],
         };
+        self.nearest_low = [f32::INFINITY; PACKET];
         let mut stack: [MaybeUninit<Waiting>; STACK] = [const { MaybeUninit::uninit() }; STACK];
         let mut top = 0usize;
         let mut farthest = self.farthest(w);
@@ -142,10 +171,16 @@ impl RayPacket {
             child: Child(0),
             place: u32::MAX,
             entry: 0.0,
+            groups: u32::MAX >> (32 - self.len.div_ceil(W::LANES)),
         };
         loop {
+            let (active, groups) = if current.place == u32::MAX {
+                (u64::MAX, current.groups)
+            } else {
+                let inner = !current.child.is_leaf();
+                self.enter(w, nodes, current.place, inner, current.groups)
+            };
             if current.child.is_leaf() {
-                let active = self.enter::<W, false>(w, nodes, current.place);
                 if active != 0 {
                     self.leaf::<W, ANY>(w, place, current.child, active, &mut pending, decide);
                     farthest = self.farthest(w);
@@ -153,7 +188,7 @@ impl RayPacket {
                         return;
                     }
                 }
-            } else if current.place == u32::MAX || self.enter::<W, true>(w, nodes, current.place) != 0 {
+            } else if active != 0 {
                 let index = current.child.0;
                 // SAFETY: node indices come from the builder.
                 let node = unsafe { nodes.get_unchecked(index as usize) };
@@ -166,8 +201,9 @@ impl RayPacket {
                         child: node.children[lane as usize & 7],
                         place: index << 3 | lane,
                         entry: entries[lane as usize & 7],
+                        groups,
                     };
-                    place.bvh.prefetch(next.child);
+                    place.prefetch(next.child);
                     let mut at = top;
                     // SAFETY: the stack holds seven siblings for every level the tree can have, and what is below
                     // `top` has been written.
@@ -244,9 +280,10 @@ impl RayPacket {
         w.sub(w.load(&node.planes[axis + 3], 0), w.splat(self.origin_down[axis]))
     }
 
-    /// Which rays enter a child's box before their bound; with `FIRST` no more than the first register that has any.
+    /// Which rays of the `groups` enter a child's box before their bound, and which groups they are in. For an inner node
+    /// it is enough where the first and the last group enter: then the others are likely to as well, and stay.
     #[inline(always)]
-    fn enter<W: Wide, const FIRST: bool>(&self, w: W, nodes: &[Node], place: u32) -> u64 {
+    fn enter<W: Wide>(&self, w: W, nodes: &[Node], place: u32, inner: bool, groups: u32) -> (u64, u32) {
         // SAFETY: a place is made of a node's index.
         let node = unsafe { nodes.get_unchecked((place >> 3) as usize) };
         let lane = place as usize & 7;
@@ -259,29 +296,45 @@ impl RayPacket {
                 (near[k], far[k]) = (far[k], near[k]);
             }
         }
-        let (near, far) = (w.splat3(near), w.splat3(far));
-        let grow = w.splat(1.0 + ROUNDING);
-        let zero = w.splat(0.0);
-        let mut active = 0;
-        for group in 0..self.len.div_ceil(W::LANES) {
-            let inverse = w.load3(&self.inverse, group);
-            let mut enter = zero;
-            let mut leave = w.load(&self.bound, group);
-            for k in 0..3 {
-                let (mut a, mut b) = (w.mul(near[k], inverse[k]), w.mul(far[k], inverse[k]));
-                if mixed {
-                    (a, b) = (w.min(a, b), w.max(a, b));
-                }
-                enter = w.max(enter, a);
-                leave = w.min(leave, b);
-            }
-            let missed = w.bits(w.below(w.mul(leave, grow), enter));
-            active |= (!missed & u64::MAX >> (PACKET - W::LANES)) << (group * W::LANES);
-            if FIRST && active != 0 {
-                break;
+        let slab = Slab {
+            near: w.splat3(near),
+            far: w.splat3(far),
+            mixed,
+        };
+        if inner && groups != 0 {
+            let (first, last) = (groups.trailing_zeros(), 31 - groups.leading_zeros());
+            let enters = self.enter_group(w, &slab, first as usize);
+            if enters != 0 && (first == last || self.enter_group(w, &slab, last as usize) != 0) {
+                return (enters, groups);
             }
         }
-        active
+        let (mut active, mut entered, mut rest) = (0, 0, groups);
+        while rest != 0 {
+            let group = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            let here = self.enter_group(w, &slab, group);
+            active |= here << (group * W::LANES);
+            entered |= u32::from(here != 0) << group;
+        }
+        (active, entered)
+    }
+
+    /// Which rays of a group enter a box before their bound.
+    #[inline(always)]
+    fn enter_group<W: Wide>(&self, w: W, slab: &Slab<W>, group: usize) -> u64 {
+        let inverse = w.load3(&self.inverse, group);
+        let mut enter = w.splat(0.0);
+        let mut leave = w.load(&self.bound, group);
+        for (k, inverse) in inverse.into_iter().enumerate() {
+            let (mut a, mut b) = (w.mul(slab.near[k], inverse), w.mul(slab.far[k], inverse));
+            if slab.mixed {
+                (a, b) = (w.min(a, b), w.max(a, b));
+            }
+            enter = w.max(enter, a);
+            leave = w.min(leave, b);
+        }
+        let missed = w.bits(w.below(w.mul(leave, w.splat(1.0 + ROUNDING)), enter));
+        !missed & u64::MAX >> (PACKET - W::LANES)
     }
 
     #[inline(always)]
@@ -304,7 +357,7 @@ impl RayPacket {
                         if id == NONE || id == self.skip {
                             continue;
                         }
-                        let met = self.triangle::<W, ANY>(w, &seen, lane, active, &mut lowest);
+                        let met = self.triangle::<W, ANY>(w, &seen, (lane, id), active, &mut lowest);
                         let mut possible = met.possible;
                         if ANY && met.certain != 0 && decide.ends(id) {
                             for ray in rays(met.certain) {
@@ -350,48 +403,57 @@ impl RayPacket {
         pending: &mut Pending,
         decide: &mut impl Decide,
     ) {
+        let ray = ray & (PACKET - 1);
         let mut count = usize::from(pending.count[ray]);
         if count == PENDING {
-            count = self.sift(ray, pending);
-        }
-        if count == PENDING {
-            self.lower_bound(ray, decide.triangles(ray, &pending.ids[ray]));
+            let (ids, left) = self.sift(ray, pending);
+            if left > 0 {
+                self.lower_bound(ray, decide.triangles(ray, &ids[..left]));
+            }
             count = 0;
         }
-        pending.ids[ray][count & (PENDING - 1)] = id;
-        pending.lowest[ray][count & (PENDING - 1)] = lowest;
+        pending.items[ray][count & (PENDING - 1)].write((id, lowest));
         pending.count[ray] = count as u8 + 1;
     }
 
-    /// Moves a ray's triangles that may still count to the front, and counts them.
+    /// Takes a ray's triangles that may still count out of the list.
     #[inline(always)]
-    fn sift(&self, ray: usize, pending: &mut Pending) -> usize {
-        let (ids, lowest) = (&mut pending.ids[ray], &mut pending.lowest[ray]);
-        let mut left = 0;
-        for i in 0..usize::from(pending.count[ray]).min(PENDING) {
-            if lowest[i] <= self.bound[ray] {
-                (ids[left], lowest[left]) = (ids[i], lowest[i]);
+    fn sift(&self, ray: usize, pending: &mut Pending) -> ([u32; PENDING], usize) {
+        let (mut ids, mut left) = ([NONE; PENDING], 0);
+        for item in &pending.items[ray][..usize::from(pending.count[ray])] {
+            // SAFETY: `count` of them have been written.
+            let (id, lowest) = unsafe { item.assume_init() };
+            if lowest <= self.bound[ray] {
+                ids[left] = id;
                 left += 1;
             }
         }
         pending.count[ray] = 0;
-        left
+        (ids, left)
     }
 
     /// Decides what all rays may have hit.
     #[inline(always)]
     fn decide_pending(&mut self, pending: &mut Pending, decide: &mut impl Decide) {
-        let mut pairs = [(0, NONE); PACKET];
+        const ROOM: usize = PACKET + PENDING + 1;
+        let mut pairs = [(0, NONE); ROOM];
         let mut count = 0;
         for ray in 0..self.len {
-            let left = self.sift(ray, pending);
-            if count + left > PACKET {
+            let low = self.nearest_low[ray];
+            if low < f32::INFINITY && low <= self.bound[ray] {
+                pairs[count] = (ray as u8, self.nearest_id[ray].to_bits());
+                count += 1;
+            }
+            if pending.count[ray] != 0 {
+                let (ids, left) = self.sift(ray, pending);
+                for id in &ids[..left] {
+                    pairs[count] = (ray as u8, *id);
+                    count += 1;
+                }
+            }
+            if count >= PACKET {
                 decide.last(&pairs[..count], self);
                 count = 0;
-            }
-            for i in 0..left {
-                pairs[count & (PACKET - 1)] = (ray as u8, pending.ids[ray][i & (PENDING - 1)]);
-                count += 1;
             }
         }
         decide.last(&pairs[..count], self);

@@ -387,12 +387,19 @@ fn place(placing: &DAffine3, p: DVec3) -> DVec3 {
 
 fn run(level: &Level, object: u32, source: TriangleSource, placing: &DAffine3) -> TriangleRun {
     let mirrored = placing.matrix3.determinant() < 0.0;
+    let moved_mesh = matches!(source, TriangleSource::Mesh(_)) && *placing != DAffine3::IDENTITY;
     TriangleRun {
         first: level.triangles.len() as u32,
         object,
         source,
         mirrored,
+        normal_matrix: moved_mesh.then(|| Box::new(normal_matrix(placing))),
     }
+}
+
+/// Takes normals to where `placing` takes points.
+pub(super) fn normal_matrix(placing: &DAffine3) -> DMat3 {
+    placing.matrix3.inverse().transpose()
 }
 
 fn append_mesh<'s>(level: &mut Level<'s>, mesh: &'s Mesh, placing: &DAffine3) {

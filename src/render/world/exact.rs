@@ -81,6 +81,9 @@ impl<const ANY: bool> Exact<'_, '_, '_, ANY> {
 
     fn shape(&mut self, index: u32, i: u32) -> bool {
         let placed = &self.level.shapes[i as usize];
+        if !placed.may_cross(self.ray, self.query.probe.t_min, self.query.best.t) {
+            return false;
+        }
         let mut crossings = Crossings::default();
         placed
             .shape

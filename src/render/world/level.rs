@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use crate::{
     accel::{Bvh, Spheres, Triangles},
-    math::{Bounds3, DAffine3, DVec3},
+    math::{Bounds3, DAffine3, DMat3, DVec3, Ray},
     scene::{GroupId, MeshId, TriangleId},
     shape::Shape,
 };
@@ -48,6 +48,8 @@ pub(super) struct TriangleRun {
     pub(super) source: TriangleSource,
     /// The object's matrix mirrors, so that the corners turn the other way.
     pub(super) mirrored: bool,
+    /// What takes a mesh's normals into the level, where they are not the same there.
+    pub(super) normal_matrix: Option<Box<DMat3>>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -70,6 +72,28 @@ pub(super) struct PlacedShape {
     pub(super) shape: Shape,
     pub(super) object_from_level: DAffine3,
     pub(super) object: u32,
+}
+
+impl PlacedShape {
+    /// False where the ray certainly crosses the shape nowhere within (`least`, `most`], found without a division;
+    /// of planes only, which every ray must try.
+    #[inline]
+    pub(super) fn may_cross(&self, ray: &Ray, least: f64, most: f64) -> bool {
+        if !matches!(self.shape, Shape::Plane(_)) {
+            return true;
+        }
+        // Height above the plane and its growth, to the bit as the crossing itself has them.
+        let DAffine3 {
+            matrix3: m,
+            translation,
+        } = &self.object_from_level;
+        let along = |v: DVec3| m.x_axis.y * v.x + m.y_axis.y * v.y + m.z_axis.y * v.z;
+        let (height, growth) = (along(ray.origin) + translation.y, along(ray.dir));
+        let leaves = least >= 0.0 && height * growth > 0.0;
+        // Twice the distance, for the rounding of products and quotient.
+        let too_far = height.abs() > 2.0 * least.abs().max(most.abs()) * growth.abs();
+        !(leaves || too_far)
+    }
 }
 
 /// A level placed in another.
@@ -145,6 +169,16 @@ impl Level<'_> {
     #[inline]
     pub(super) fn corners(&self, triangle: u32) -> [DVec3; 3] {
         self.corners_of(triangle).map(|corner| *corner)
+    }
+
+    /// Where the blocks of one kind begin, and the bytes of one: what a search asks for before it needs it.
+    #[inline(always)]
+    pub(super) fn block_memory(&self) -> (*const u8, usize) {
+        if self.triangle_blocks.is_empty() {
+            (self.sphere_blocks.as_ptr().cast(), size_of::<Spheres>())
+        } else {
+            (self.triangle_blocks.as_ptr().cast(), size_of::<Triangles>())
+        }
     }
 
     /// Whether a primitive may let light through. An instance answers for itself.

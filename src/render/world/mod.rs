@@ -10,13 +10,18 @@ mod exact;
 mod level;
 mod packet;
 mod query;
+mod shaft;
 mod surface;
 #[cfg(test)]
 mod tests;
+mod through;
+#[cfg(test)]
+mod through_tests;
 mod trace;
 
 pub(crate) use crate::accel::PACKET;
 pub(crate) use query::{Blocker, Hit, Probe};
+pub(crate) use shaft::FewObstacles;
 pub(crate) use surface::SurfacePoint;
 
 use crate::{
@@ -90,26 +95,37 @@ impl<'s> World<'s> {
     /// traced together, which is faster; the answers are the same.
     #[must_use]
     pub fn nearest_t_many(&self, rays: &[Ray], t_max: f64) -> Vec<Option<(f64, u64)>> {
-        let probes: Vec<Probe> = rays.iter().map(|ray| Probe::from_space(*ray)).collect();
-        let mut hits = vec![None; rays.len()];
-        self.nearest_many(&probes, t_max, &mut hits);
-        hits.into_iter()
-            .map(|hit| hit.map(|hit| (hit.t, hit.number)))
-            .collect()
+        let mut found = Vec::with_capacity(rays.len());
+        let mut probes = Vec::with_capacity(PACKET);
+        for rays in rays.chunks(PACKET) {
+            probes.clear();
+            probes.extend(rays.iter().map(|ray| Probe::from_space(*ray)));
+            let mut hits = [None; PACKET];
+            self.nearest_many(&probes, t_max, &mut hits[..rays.len()]);
+            found.extend(
+                hits[..rays.len()]
+                    .iter()
+                    .map(|hit| hit.map(|hit| (hit.t, hit.number))),
+            );
+        }
+        found
     }
 
-    /// [`World::is_occluded`] of each ray with its own `t_max`; rays without one reach to infinity. Together as in
+    /// [`World::is_occluded`] of each ray with its own `t_max`, for as many as there are of both. Together as in
     /// [`World::nearest_t_many`].
     #[must_use]
     pub fn are_occluded(&self, rays: &[Ray], t_max: &[f64]) -> Vec<bool> {
-        let probes: Vec<Probe> = rays.iter().map(|ray| Probe::from_space(*ray)).collect();
-        let mut reach = vec![f64::INFINITY; rays.len()];
-        for (reach, t_max) in reach.iter_mut().zip(t_max) {
-            *reach = *t_max;
+        let mut occluded = Vec::with_capacity(rays.len());
+        let mut probes = Vec::with_capacity(PACKET);
+        for (rays, t_max) in rays.chunks(PACKET).zip(t_max.chunks(PACKET)) {
+            let n = rays.len().min(t_max.len());
+            probes.clear();
+            probes.extend(rays.iter().map(|ray| Probe::from_space(*ray)));
+            let mut found = [Blocker::None; PACKET];
+            self.blockers(&probes[..n], &t_max[..n], &mut found[..n]);
+            occluded.extend(found[..n].iter().map(|found| *found != Blocker::None));
         }
-        let mut found = vec![Blocker::None; rays.len()];
-        self.blockers(&probes, &reach, &mut found);
-        found.into_iter().map(|found| found != Blocker::None).collect()
+        occluded
     }
 
     /// Primitives that can be hit, each level counted once.

@@ -10,7 +10,10 @@ use super::{
 use crate::{
     accel::{DONE, Decide, NONE, PACKET, Place, RayPacket, Search, rays},
     math::Ray,
-    shape::{triangle::TriangleRay, triangles::ManyTriangles},
+    shape::{
+        triangle::TriangleRay,
+        triangles::{MANY, ManyTriangles},
+    },
 };
 
 /// Fewest rays that are traced as a packet.
@@ -155,18 +158,20 @@ impl<const ANY: bool> Decide for Decider<'_, '_, '_, ANY> {
 
     #[inline(always)]
     fn last(&mut self, pairs: &[(u8, u32)], packet: &mut RayPacket) {
-        for &(ray, id) in pairs {
-            let ray = usize::from(ray);
-            self.pairs.push(&self.own[ray], self.level.corners(id));
-        }
-        let (level, base, queries) = (self.level, self.base, &mut *self.queries);
-        self.pairs.intersect(|i, hit| {
-            let (ray, id) = (usize::from(pairs[i].0), pairs[i].1);
-            let number = base + u64::from(id);
-            if queries[ray].offer_triangle::<ANY>(number, hit, || level.may_be_transparent(id)) {
-                packet.lower_bound(ray, DONE);
+        let (level, base) = (self.level, self.base);
+        for pairs in pairs.chunks(MANY) {
+            for &(ray, id) in pairs {
+                self.pairs.push(&self.own[usize::from(ray)], level.corners(id));
             }
-        });
+            let queries = &mut *self.queries;
+            self.pairs.intersect(|i, hit| {
+                let (ray, id) = (usize::from(pairs[i].0), pairs[i].1);
+                let number = base + u64::from(id);
+                if queries[ray].offer_triangle::<ANY>(number, hit, || level.may_be_transparent(id)) {
+                    packet.lower_bound(ray, DONE);
+                }
+            });
+        }
     }
 
     #[inline(always)]
@@ -192,5 +197,42 @@ impl<const ANY: bool> Decide for Decider<'_, '_, '_, ANY> {
     #[inline(always)]
     fn ends(&self, id: u32) -> bool {
         !self.level.may_be_transparent(id)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Builder, DVec3};
+
+    #[test]
+    fn neighbors_go_together_and_strangers_do_not() {
+        let mut b = Builder::new();
+        b.sphere(DVec3::ZERO, 1.0).unwrap();
+        let scene = b.finish().value;
+        let mut world = World::compile(&scene).unwrap();
+        let fan = |spread: f64, apart: f64| -> Vec<Probe> {
+            (0..PACKET)
+                .map(|i| {
+                    let (x, y) = (i as f64 / 64.0 - 0.5, (i % 8) as f64 / 8.0 - 0.5);
+                    let dir = DVec3::new(x * spread, y * spread, -1.0);
+                    Probe::from_space(Ray::new(DVec3::new(x * apart, 0.0, 5.0), dir))
+                })
+                .collect()
+        };
+        let together = |world: &World<'_>, probes: &[Probe]| {
+            let mut answers = 0;
+            let t_max = [f64::INFINITY; PACKET];
+            let went = world.together::<false>(probes, &t_max[..probes.len()], |_, _, _| answers += 1);
+            assert_eq!(answers, if went { probes.len() } else { 0 });
+            went
+        };
+        assert!(together(&world, &fan(0.1, 0.0)));
+        assert!(!together(&world, &fan(0.1, 0.1)), "not from one point");
+        assert!(!together(&world, &fan(3.0, 0.0)), "not in one direction");
+        assert!(!together(&world, &fan(f64::NAN, 0.0)), "not rays");
+        assert!(!together(&world, &fan(0.1, 0.0)[..FEWEST - 1]), "too few");
+        world.packets = false;
+        assert!(!together(&world, &fan(0.1, 0.0)), "not allowed");
     }
 }

@@ -65,6 +65,11 @@ impl Probe {
         (around, reach)
     }
 
+    /// Size of the numbers the start was computed from; 0 for a ray from free space.
+    pub(super) fn scale(&self) -> f64 {
+        self.t_self / Self::OWN_START
+    }
+
     pub(super) fn starts_on(&self, number: u64) -> bool {
         number == self.start
     }

@@ -2,6 +2,7 @@
 
 use super::{
     World,
+    compile::normal_matrix,
     level::{Level, Primitive, TriangleRun, TriangleSource},
     query::Hit,
 };
@@ -17,6 +18,8 @@ pub(crate) struct SurfacePoint<'s> {
     pub(crate) position: DVec3,
     /// Unit normal for shading in world space, turned to the side of the true surface that the ray came from.
     pub(crate) shading_normal: DVec3,
+    /// Unit normal of the true surface in world space, turned to the side that the ray came from.
+    pub(crate) geometric_normal: DVec3,
     /// Whether the ray came from the front: the outside of a solid.
     pub(crate) from_front: bool,
     pub(crate) material: &'s Material,
@@ -30,8 +33,8 @@ pub(crate) struct SurfacePoint<'s> {
 struct LocalSurface {
     /// Outward, not a unit vector.
     geometric: DVec3,
-    /// The same or interpolated.
-    shading: DVec3,
+    /// Interpolated; `None` where it is the same.
+    shading: Option<DVec3>,
     uv: DVec2,
     /// The point in the object's space, where solid textures live.
     object_position: DVec3,
@@ -84,26 +87,71 @@ impl<'s> World<'s> {
             n / n.length()
         };
         let mut geometric_normal = to_world(local.geometric);
-        let mut shading_normal = to_world(local.shading);
         let from_front = geometric_normal.dot(ray.dir) < 0.0;
         if !from_front {
             geometric_normal = -geometric_normal;
         }
-        if shading_normal.dot(geometric_normal) < 0.0 {
-            shading_normal = -shading_normal;
-        }
-        if !shading_normal.is_finite() {
-            shading_normal = geometric_normal;
-        }
+        let shading_normal = match local.shading.map(to_world) {
+            Some(n) if n.is_finite() => {
+                if n.dot(geometric_normal) < 0.0 {
+                    -n
+                } else {
+                    n
+                }
+            }
+            _ => geometric_normal,
+        };
         Some(SurfacePoint {
             position,
             shading_normal,
+            geometric_normal,
             from_front,
             material: scene.materials.get(material.index())?,
             scale: max_abs(ray.origin).max(max_abs(position)),
             uv: local.uv,
             object_position: local.object_position,
         })
+    }
+
+    /// The material of the primitive with this number.
+    pub(super) fn material(&self, mut number: u64) -> Option<&'s Material> {
+        let mut level = self.root()?;
+        let mut placing_material = MaterialId::INHERIT;
+        let id = loop {
+            let (primitive, rest) = level.by_number(number);
+            let object = match primitive {
+                Primitive::Triangle(i) => {
+                    let run = level.run(i)?;
+                    if let Some(own) = self.face_material(run, i) {
+                        break own;
+                    }
+                    run.object
+                }
+                Primitive::Sphere(i) => level.spheres.get(i as usize)?.object,
+                Primitive::Shape(i) => level.shapes.get(i as usize)?.object,
+                Primitive::Instance(i) => {
+                    let instance = level.instances.get(i as usize)?;
+                    placing_material = self.object(level, instance.object)?.material;
+                    level = self.levels.get(instance.level as usize)?;
+                    number = rest;
+                    continue;
+                }
+            };
+            break self
+                .object(level, object)
+                .map_or(placing_material, |object| object.material);
+        };
+        self.scene.materials.get(id.index())
+    }
+
+    /// The material of a triangle that does not look as the object that places it.
+    fn face_material(&self, run: &TriangleRun, triangle: u32) -> Option<MaterialId> {
+        let TriangleSource::Mesh(id) = run.source else {
+            return None;
+        };
+        let face = (triangle - run.first) as usize;
+        let own = self.scene.meshes.get(id.index())?.face_materials.get(face)?;
+        Some(*own).filter(|own| *own != MaterialId::INHERIT)
     }
 
     /// The object with this index in the group that a level was made from.
@@ -128,7 +176,7 @@ impl<'s> World<'s> {
                 let normal = p - sphere.center;
                 let mut local = LocalSurface {
                     geometric: normal,
-                    shading: normal,
+                    shading: None,
                     uv: DVec2::ZERO,
                     object_position: p,
                     material: object.material,
@@ -146,12 +194,16 @@ impl<'s> World<'s> {
                 let placed = level.shapes.get(i as usize)?;
                 let object = self.object(level, placed.object)?;
                 let object_position = placed.object_from_level.transform_point3(p);
-                let surface = placed.shape.surface(object_position, hit.part);
-                let normal = placed.object_from_level.matrix3.transpose() * surface.normal;
+                let (normal, uv) = if self.is_textured(object.material) {
+                    let surface = placed.shape.surface(object_position, hit.part);
+                    (surface.normal, surface.uv)
+                } else {
+                    (placed.shape.normal(object_position, hit.part), DVec2::ZERO)
+                };
                 Some(LocalSurface {
-                    geometric: normal,
-                    shading: normal,
-                    uv: surface.uv,
+                    geometric: placed.object_from_level.matrix3.transpose() * normal,
+                    shading: None,
+                    uv,
                     object_position,
                     material: object.material,
                 })
@@ -174,47 +226,52 @@ impl<'s> World<'s> {
         let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
         let face = (triangle - run.first) as usize;
         let object = self.object(level, run.object);
-        let (normals, uvs, own_material) = match run.source {
-            TriangleSource::Single(id) => (self.scene.triangles.get(id.index())?.normals, None, None),
+        let textured = self.has_textures();
+        let (normals, uvs) = match run.source {
+            TriangleSource::Single(id) => (self.scene.triangles.get(id.index())?.normals, None),
             TriangleSource::Mesh(id) => {
                 let mesh = self.scene.meshes.get(id.index())?;
                 (
                     mesh.normals.as_ref().and_then(|normals| normals.corners(face)),
-                    mesh.uvs.as_ref().and_then(|uvs| uvs.corners(face)),
-                    mesh.face_materials.get(face).copied(),
+                    textured.then(|| mesh.uvs.as_ref()?.corners(face)).flatten(),
                 )
             }
         };
-        let level_from_object = object.map_or(DAffine3::IDENTITY, |o| self.scene.world_from_object(o));
-        let moved = level_from_object != DAffine3::IDENTITY;
-        let shading = match normals {
-            Some([na, nb, nc]) => {
-                // Interpolated as unit vectors, whatever lengths the file gives them.
-                let n = unit(na) * weights[0] + unit(nb) * weights[1] + unit(nc) * weights[2];
-                let n = if moved {
-                    level_from_object.matrix3.inverse().transpose() * n
-                } else {
-                    n
-                };
-                if n.is_finite() && n != DVec3::ZERO {
-                    n
-                } else {
-                    geometric
+        let shading = normals.and_then(|[na, nb, nc]| {
+            // Interpolated as unit vectors, whatever lengths the file gives them.
+            let n = unit(na) * weights[0] + unit(nb) * weights[1] + unit(nc) * weights[2];
+            let n = match (&run.normal_matrix, run.source, object) {
+                (Some(matrix), _, _) => **matrix * n,
+                (None, TriangleSource::Single(_), Some(object)) => {
+                    let placing = self.scene.world_from_object(object);
+                    if placing == DAffine3::IDENTITY {
+                        n
+                    } else {
+                        normal_matrix(&placing) * n
+                    }
                 }
-            }
-            None => geometric,
-        };
+                _ => n,
+            };
+            (n.is_finite() && n != DVec3::ZERO).then_some(n)
+        });
         let uv = uvs.map_or(DVec2::new(hit.u, hit.v), |[ua, ub, uc]| {
             ua * weights[0] + ub * weights[1] + uc * weights[2]
         });
-        let material = own_material
-            .filter(|own| *own != MaterialId::INHERIT)
+        let material = self
+            .face_material(run, triangle)
             .or(object.map(|object| object.material))
             .unwrap_or(MaterialId::INHERIT);
-        let object_position = if moved && self.has_textures() {
-            level_from_object.inverse().transform_point3(p)
-        } else {
-            p
+        let object_position = match object {
+            // A shared mesh is in its own space.
+            Some(object) if textured => {
+                let placing = self.scene.world_from_object(object);
+                if placing == DAffine3::IDENTITY {
+                    p
+                } else {
+                    placing.inverse().transform_point3(p)
+                }
+            }
+            _ => p,
         };
         Some(LocalSurface {
             geometric,

@@ -26,7 +26,7 @@ enum Thing {
 }
 
 #[derive(Clone, Debug)]
-struct Placed {
+pub(super) struct Placed {
     thing: Thing,
     translation: DVec3,
     axis: DVec3,
@@ -34,7 +34,7 @@ struct Placed {
     scale: DVec3,
 }
 
-fn vector(range: f64) -> impl Strategy<Value = DVec3> {
+pub(super) fn vector(range: f64) -> impl Strategy<Value = DVec3> {
     prop::array::uniform3(-range..range).prop_map(DVec3::from)
 }
 
@@ -53,7 +53,7 @@ fn thing() -> impl Strategy<Value = Thing> {
     ]
 }
 
-fn placed() -> impl Strategy<Value = Placed> {
+pub(super) fn placed() -> impl Strategy<Value = Placed> {
     let axis = vector(1.0).prop_filter("an axis has a length", |axis| axis.length() > 1e-3);
     let scale =
         prop::array::uniform3(prop_oneof![0.2..2.0f64, -2.0..-0.2f64, Just(1.0)]).prop_map(DVec3::from);
@@ -129,7 +129,7 @@ fn put(b: &mut Builder, items: &[Placed], groups: usize, glass: bool) {
 }
 
 /// A scene whose groups place one another, everything times `scale`.
-fn scene(groups: &[Vec<Placed>], root: &[Placed], scale: f64) -> Scene {
+pub(super) fn scene(groups: &[Vec<Placed>], root: &[Placed], scale: f64) -> Scene {
     scene_of(groups, root, scale, false)
 }
 
@@ -305,6 +305,17 @@ fn closed_meshes_do_not_leak() {
         let scene = b.finish().value;
         let world = World::compile(&scene).unwrap();
         let inside = DVec3::new(0.35, -0.1, 0.05) * scale;
+        for aims in aims.chunks(24) {
+            let probes: Vec<Probe> = aims
+                .iter()
+                .map(|aim| Probe::from_space(Ray::new(inside, (*aim - inside).normalize())))
+                .collect();
+            let (mut hits, mut found) = (vec![None; aims.len()], vec![Blocker::None; aims.len()]);
+            world.nearest_many(&probes, f64::INFINITY, &mut hits);
+            world.blockers(&probes, &vec![f64::INFINITY; aims.len()], &mut found);
+            assert!(hits.iter().all(Option::is_some), "out of a packet at {scale}");
+            assert!(found.iter().all(|found| *found == Blocker::Opaque));
+        }
         for (i, aim) in aims.into_iter().enumerate() {
             let ray = Ray::new(inside, (aim - inside).normalize());
             assert!(

@@ -3,17 +3,16 @@
 #[cfg(test)]
 use super::level::Primitive;
 use super::{
-    SurfacePoint, World,
+    World,
     exact::Exact,
     level::Level,
     query::{Blocker, Hit, Probe, Query},
 };
 use crate::{
     accel::{
-        BLOCK, Child, Control, Lanes, LeafKind, NONE, Range, Ray32, RayBlock, RayBox, RaySphere, Spheres,
-        Triangles, Visitor,
+        BLOCK, Child, Control, Lanes, LeafKind, NONE, Range, Ray32, RayBlock, RayBox, RaySphere, Visitor,
     },
-    math::{DVec3, Ray},
+    math::Ray,
     shape::triangle::TriangleRay,
 };
 
@@ -23,13 +22,6 @@ impl World<'_> {
         let mut query = Query::new(probe, t_max);
         self.search::<false>(self.root()?, 0, &probe.ray, &mut query);
         query.hit()
-    }
-
-    /// What else lies in the very surface that a ray met at `at`, such as the table under a block of glass that
-    /// stands on it: rounding alone decides which of the two is nearer.
-    pub(crate) fn touching(&self, hit: &Hit, dir: DVec3, at: &SurfacePoint<'_>) -> Option<(Hit, Ray)> {
-        let (probe, reach) = Probe::around_surface(Ray::new(at.position, dir), hit.number, at.scale);
-        Some((self.nearest(&probe, reach)?, probe.ray))
     }
 
     /// What kind of thing is met before `t_max`.
@@ -121,7 +113,7 @@ fn below(t: f64) -> f32 {
 
 /// The lanes whose bits are set.
 #[inline(always)]
-fn lanes_of(mut mask: u32) -> impl Iterator<Item = usize> {
+pub(super) fn lanes_of(mut mask: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         (mask != 0).then(|| {
             let lane = mask.trailing_zeros() as usize & (BLOCK - 1);
@@ -166,12 +158,7 @@ impl<const ANY: bool> Visitor for LevelSearch<'_, '_, '_, ANY> {
 
     #[inline(always)]
     fn blocks(&self) -> (*const u8, usize) {
-        let level = self.exact.level;
-        if level.triangle_blocks.is_empty() {
-            (level.sphere_blocks.as_ptr().cast(), size_of::<Spheres>())
-        } else {
-            (level.triangle_blocks.as_ptr().cast(), size_of::<Triangles>())
-        }
+        self.exact.level.block_memory()
     }
 }
 
