@@ -24,12 +24,16 @@ mod imp {
             Self(unsafe { _mm_setr_ps(a[0], a[1], a[2], a[3]) })
         }
 
-        /// A vector rounded to f32, and 0 in the last lane.
+        /// A vector rounded to f32, and 0 in the last lane. Read number by number: a wider read of numbers that
+        /// were just written one by one, or in other pairs, has to wait until they are in the cache.
         #[inline(always)]
-        pub(in crate::accel) fn rounded(v: DVec3) -> Self {
+        pub(in crate::accel) fn rounded(v: &DVec3) -> Self {
             unsafe {
-                let (xy, z) = (_mm_set_pd(v.y, v.x), _mm_set_sd(v.z));
-                Self(_mm_movelh_ps(_mm_cvtpd_ps(xy), _mm_cvtpd_ps(z)))
+                let nothing = _mm_setzero_ps();
+                let x = _mm_cvtsd_ss(nothing, _mm_load_sd(&v.x));
+                let y = _mm_cvtsd_ss(nothing, _mm_load_sd(&v.y));
+                let z = _mm_cvtsd_ss(nothing, _mm_load_sd(&v.z));
+                Self(_mm_movelh_ps(_mm_unpacklo_ps(x, y), z))
             }
         }
 
@@ -153,7 +157,7 @@ mod imp {
     impl F4 {
         /// A vector rounded to f32, and 0 in the last lane.
         #[inline(always)]
-        pub(in crate::accel) fn rounded(v: DVec3) -> Self {
+        pub(in crate::accel) fn rounded(v: &DVec3) -> Self {
             Self([v.x as f32, v.y as f32, v.z as f32, 0.0])
         }
 

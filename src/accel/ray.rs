@@ -38,7 +38,7 @@ impl Ray32 {
     #[inline(always)]
     #[must_use]
     pub fn new(ray: &Ray) -> Self {
-        let (origin, dir) = (F4::rounded(ray.origin), F4::rounded(ray.dir));
+        let (origin, dir) = (F4::rounded(&ray.origin), F4::rounded(&ray.dir));
         let (far, long) = (origin.abs(), dir.abs());
         let small = long.below(F4::splat(LARGE)).and(far.below(F4::splat(LARGE)));
         let range = if small.bits() == 15 && F4::splat(1.0 / LARGE).below(long).bits() != 0 {
