@@ -74,7 +74,7 @@ const IMPURE: [&str; 10] = [
 const MAY_OPEN_FILES: [&str; 4] = ["host", "output", "testing", "cli"];
 
 /// The one place that asks the environment: which instructions to use, which no pixel depends on.
-const MAY_ASK: (&str, &str) = ("accel/lanes.rs", "std::env");
+const MAY_ASK: (&str, &str) = ("accel/lanes/mod.rs", "std::env");
 
 /// A source file: the module it belongs to and the words of its code, comments and texts left out.
 struct Source {

@@ -27,24 +27,32 @@ pub enum Simd {
 }
 
 impl Simd {
-    /// The best that this processor has. The environment variable `RTSCRIPT_SIMD` names a lesser one, for tests
-    /// that compare: `portable`, `sse2` or `avx2`.
+    /// The fastest that this processor has. The environment variable `RTSCRIPT_SIMD` names another, for tests that
+    /// compare: `portable`, `sse2`, `avx2` or `avx512`; what the processor lacks is not taken.
     #[inline]
     #[must_use]
     pub fn detect() -> Self {
         static FOUND: std::sync::OnceLock<Simd> = std::sync::OnceLock::new();
         *FOUND.get_or_init(|| {
             let wish = std::env::var_os("RTSCRIPT_SIMD");
-            match wish.as_ref().and_then(|name| name.to_str()) {
+            let wish = match wish.as_ref().and_then(|name| name.to_str()) {
                 Some("portable") => Self::Portable,
                 #[cfg(target_arch = "x86_64")]
                 Some("sse2") => Self::Sse2,
                 #[cfg(target_arch = "x86_64")]
-                Some("avx2") => Self::best().min(Self::Avx2),
-                _ => Self::best(),
-            }
+                Some("avx512") => Self::Avx512,
+                _ => Self::FASTEST,
+            };
+            wish.min(Self::best())
         })
     }
+
+    /// What is taken where the processor has it. The wider registers of AVX-512 hold one ray's eight boxes no better
+    /// than those of AVX2, and measured 1 to 4 % slower.
+    #[cfg(target_arch = "x86_64")]
+    const FASTEST: Self = Self::Avx2;
+    #[cfg(not(target_arch = "x86_64"))]
+    const FASTEST: Self = Self::Portable;
 
     /// All that this processor has.
     #[cfg(test)]

@@ -257,7 +257,7 @@ proptest! {
 #[test]
 fn other_instructions_pass_the_same_tests() {
     const CHOICE: &str = "RTSCRIPT_SIMD";
-    const OTHERS: &[&str] = &["portable", "sse2", "avx2"];
+    const OTHERS: &[&str] = &["portable", "sse2", "avx512"];
     if std::env::var_os(CHOICE).is_some() {
         return;
     }
