@@ -115,9 +115,9 @@ impl Exponent {
         let (mut base, mut product) = (*x, [1.0; N]);
         while n > 0 {
             if n & 1 == 1 {
-                product = std::array::from_fn(|i| product[i] * base[i]);
+                product.iter_mut().zip(&base).for_each(|(p, b)| *p *= b);
             }
-            base = base.map(|b| b * b);
+            base.iter_mut().for_each(|b| *b *= *b);
             n >>= 1;
         }
         product

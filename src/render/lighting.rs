@@ -33,9 +33,24 @@ struct Samples {
 const LANES: usize = 4;
 type Lanes = [f64; LANES];
 
+/// As `array::from_fn`, which leaves calls that are too dear here.
 #[inline(always)]
-fn each(f: impl FnMut(usize) -> f64) -> Lanes {
-    std::array::from_fn(f)
+fn each(mut f: impl FnMut(usize) -> f64) -> Lanes {
+    let mut lanes = [0.0; LANES];
+    for (i, lane) in lanes.iter_mut().enumerate() {
+        *lane = f(i);
+    }
+    lanes
+}
+
+/// [`each`] for three coordinates or channels.
+#[inline(always)]
+fn three(mut f: impl FnMut(usize) -> Lanes) -> [Lanes; 3] {
+    let mut all = [[0.0; LANES]; 3];
+    for (k, lanes) in all.iter_mut().enumerate() {
+        *lanes = f(k);
+    }
+    all
 }
 
 impl Samples {
@@ -47,7 +62,7 @@ impl Samples {
         let distance = each(|i| (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]).sqrt());
         Self {
             len,
-            direction: offset.map(|o| each(|i| o[i] / distance[i])),
+            direction: three(|k| each(|i| offset[k][i] / distance[i])),
             share: fall_off(attenuation, &distance, cells),
             distance,
         }
@@ -206,7 +221,7 @@ impl Area {
             (each(|i| a[i] / n), each(|i| b[i] / n))
         };
         let [edge1, edge2] = self.edges;
-        let offset = [0, 1, 2].map(|k| each(|i| self.corner[k] + edge1[k] * a[i] + edge2[k] * b[i] - p[k]));
+        let offset = three(|k| each(|i| self.corner[k] + edge1[k] * a[i] + edge2[k] * b[i] - p[k]));
         Samples::new(len, offset, attenuation, f64::from(cells))
     }
 
@@ -289,12 +304,12 @@ impl Lit<'_> {
         counts: &mut Counts,
     ) {
         let response = self.respond_to_all(samples);
-        let arriving = [0, 1, 2].map(|k| each(|i| color[k] * samples.share[i]));
+        let arriving = three(|k| each(|i| color[k] * samples.share[i]));
         let lit = |i: usize| response[0][i] != 0.0 || response[1][i] != 0.0 || response[2][i] != 0.0;
         if few.is_some_and(FewObstacles::is_empty) {
             let seen: [bool; LANES] = std::array::from_fn(|i| i < samples.len && lit(i));
             // To add 0 changes no sum: one that began with 0 is never -0.
-            let [x, y, z] = [0, 1, 2].map(|k| {
+            let [x, y, z] = three(|k| {
                 each(|i| {
                     if seen[i] {
                         arriving[k][i] * response[k][i]
@@ -328,7 +343,7 @@ impl Lit<'_> {
             specular,
             exponent,
         } = *self.gloss;
-        let response = [0, 1, 2].map(|k| {
+        let response = three(|k| {
             each(|i| {
                 if cosine[i] > 0.0 {
                     diffuse[k] * cosine[i]
@@ -340,7 +355,7 @@ impl Lit<'_> {
         if specular == Color::ZERO {
             return response;
         }
-        let half = [0, 1, 2].map(|k| each(|i| samples.direction[k][i] + self.to_eye[k]));
+        let half = three(|k| each(|i| samples.direction[k][i] + self.to_eye[k]));
         let length = {
             let [x, y, z] = &half;
             each(|i| (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]).sqrt())
@@ -348,7 +363,7 @@ impl Lit<'_> {
         let along = along_n(&half);
         let cosine = each(|i| along[i] / length[i]);
         let power = exponent.of_each(&each(|i| cosine[i].min(1.0)));
-        [0, 1, 2].map(|k| {
+        three(|k| {
             each(|i| {
                 response[k][i]
                     + if cosine[i] > 0.0 {
