@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use crate::{
-    accel::{Bvh, Spheres, Triangles},
+    accel::{Bvh, Spheres, Triangles, prefetch},
     math::{Bounds3, DAffine3, DMat3, DVec3, Ray},
     scene::{GroupId, MeshId, TriangleId},
     shape::Shape,
@@ -169,6 +169,16 @@ impl Level<'_> {
     #[inline]
     pub(super) fn corners(&self, triangle: u32) -> [DVec3; 3] {
         self.corners_of(triangle).map(|corner| *corner)
+    }
+
+    /// Asks for the memory of a triangle's corners before they are needed.
+    #[inline(always)]
+    pub(super) fn ask_for_corners(&self, triangle: u32) {
+        if let Some(corners) = self.triangles.get(triangle as usize) {
+            for corner in corners {
+                prefetch(self.vertices.as_ptr().wrapping_add(*corner as usize));
+            }
+        }
     }
 
     /// Where the blocks of one kind begin, and the bytes of one: what a search asks for before it needs it.

@@ -224,6 +224,7 @@ impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
             }
             self.waiting[self.waiting_count % WAITING] = (index, least);
             self.waiting_count += 1;
+            self.exact.level.ask_for_corners(index);
         }
         false
     }
