@@ -7,10 +7,18 @@
 //! for rtscript (medians of alternating runs), and the ratio of the last to each. With
 //! `--once bare|limited|rtscript CASE TURNS` it runs one loop alone, for callgrind.
 
-#![allow(clippy::unwrap_used, clippy::print_stdout, clippy::indexing_slicing)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::print_stdout,
+    clippy::indexing_slicing
+)]
+
+mod common;
 
 use std::cell::Cell;
 
+use common::{cpu_seconds, median};
 use rhai::{
     AST, Engine, OptimizationLevel, Scope,
     packages::{ArithmeticPackage, BasicIteratorPackage, LogicPackage, Package},
@@ -39,19 +47,6 @@ const CASES: [(&str, &str); 6] = [
          sphere(0.0, 0.0, 0.0, 1.0); popTransform(); } for i in 0..N { ball(i); }",
     ),
 ];
-
-fn cpu_seconds() -> f64 {
-    let mut t = libc::timespec {
-        tv_sec: 0,
-        tv_nsec: 0,
-    };
-    // SAFETY: writes into `t` only.
-    #[allow(unsafe_code)]
-    unsafe {
-        libc::clock_gettime(libc::CLOCK_PROCESS_CPUTIME_ID, &mut t)
-    };
-    t.tv_sec as f64 + 1e-9 * t.tv_nsec as f64
-}
 
 /// One way to run a loop.
 enum Runner {
@@ -112,11 +107,6 @@ impl Runner {
             }
         }
     }
-}
-
-fn median(mut times: Vec<f64>) -> f64 {
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
 }
 
 fn main() {
