@@ -183,6 +183,16 @@ pub struct RayBlock {
 }
 
 impl RayBlock {
+    /// For a level without blocks.
+    pub const UNUSED: Self = Self {
+        origin: [0.0; 4],
+        dir: [0.0; 4],
+        slack_edge: 0.0,
+        slack_t: 0.0,
+        slack_det: 0.0,
+        slack_least: 0.0,
+    };
+
     /// Prepares a ray for a level whose coordinates are at most `extent` in size.
     #[inline(always)]
     #[must_use]

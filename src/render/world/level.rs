@@ -181,6 +181,12 @@ impl Level<'_> {
         }
     }
 
+    /// Whether there are triangles or spheres.
+    #[inline]
+    pub(super) fn has_blocks(&self) -> bool {
+        !(self.triangle_blocks.is_empty() && self.sphere_blocks.is_empty())
+    }
+
     /// Where the blocks of one kind begin, and the bytes of one: what a search asks for before it needs it.
     #[inline(always)]
     pub(super) fn block_memory(&self) -> (*const u8, usize) {

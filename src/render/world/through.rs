@@ -156,23 +156,28 @@ impl World<'_> {
         census: &mut C,
     ) -> Control {
         let mut walk = Walk::new(self, level, base, ray, probe, census);
+        if level.primitives() == 1 && level.instances.is_empty() {
+            return walk.primitive(0);
+        }
         for &index in &level.unbounded {
             if walk.primitive(index) == Control::Stop {
                 return Control::Stop;
             }
         }
         let ray32 = Ray32::new(ray);
-        let ray_block = RayBlock::new(&ray32, level.extent as f32);
         let range = Range {
             // Twice as far as the exact bound, for the rounding of tests in f32 where t is negative.
             possible: (2.0 * probe.t_min.min(0.0)) as f32,
             bound: above(walk.census.reach()),
             certain: [f32::INFINITY, 0.0],
         };
-        walk.prepared = Some(Prepared {
-            ray_sphere: RaySphere::new(&ray_block),
-            ray_block,
-            range,
+        walk.prepared = level.has_blocks().then(|| {
+            let ray_block = RayBlock::new(&ray32, level.extent as f32);
+            Prepared {
+                ray_sphere: RaySphere::new(&ray_block),
+                ray_block,
+                range,
+            }
         });
         let ray_box = RayBox::new(&ray32, level.bvh.extent());
         level
@@ -339,47 +344,37 @@ impl<'a, 's, C: Census> Walk<'a, 's, C> {
     #[inline(always)]
     fn look<L: Lanes>(&mut self, lanes: L, leaf: Child) -> Control {
         let level = self.level;
-        let Some(Prepared {
-            ray_block,
-            ray_sphere,
-            range,
-        }) = self.prepared
-        else {
-            return Control::Continue;
-        };
-        match leaf.kind() {
-            LeafKind::Triangles => {
-                let Some(block) = level.triangle_blocks.get(leaf.first()) else {
-                    return Control::Continue;
-                };
-                let counted = self.counted(&block.ids, 0);
-                if counted == 0 {
-                    return Control::Continue;
-                }
-                let possible = block.candidates(lanes, &ray_block, range).possible;
-                self.lanes(&block.ids, 0, counted & possible)
-            }
-            LeafKind::Spheres => {
-                let Some(block) = level.sphere_blocks.get(leaf.first()) else {
-                    return Control::Continue;
-                };
-                let first = level.triangles.len() as u32;
-                let counted = self.counted(&block.ids, first);
-                if counted == 0 {
-                    return Control::Continue;
-                }
-                let [possible, _] = block.candidates(lanes, &ray_block, &ray_sphere, range);
-                self.lanes(&block.ids, first, counted & possible)
-            }
-            LeafKind::Others => {
+        match (leaf.kind(), self.prepared) {
+            (LeafKind::Others, _) => {
                 for &index in level.bvh.others(leaf) {
                     if self.primitive(index) == Control::Stop {
                         return Control::Stop;
                     }
                 }
-                Control::Continue
             }
+            (LeafKind::Triangles, Some(ray)) => {
+                if let Some(block) = level.triangle_blocks.get(leaf.first()) {
+                    let counted = self.counted(&block.ids, 0);
+                    if counted != 0 {
+                        let found = block.candidates(lanes, &ray.ray_block, ray.range);
+                        return self.lanes(&block.ids, 0, counted & found.possible);
+                    }
+                }
+            }
+            (LeafKind::Spheres, Some(ray)) => {
+                if let Some(block) = level.sphere_blocks.get(leaf.first()) {
+                    let first = level.triangles.len() as u32;
+                    let counted = self.counted(&block.ids, first);
+                    if counted != 0 {
+                        let [possible, _] =
+                            block.candidates(lanes, &ray.ray_block, &ray.ray_sphere, ray.range);
+                        return self.lanes(&block.ids, first, counted & possible);
+                    }
+                }
+            }
+            (_, None) => {}
         }
+        Control::Continue
     }
 
     /// The lanes of a block that count; a lane's primitive is its id after `first`.

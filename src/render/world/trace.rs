@@ -81,6 +81,10 @@ impl World<'_> {
             ray,
             query,
         };
+        // A group of one shape, placed many times: its box is what led here.
+        if level.primitives() == 1 && level.instances.is_empty() {
+            return exact.any(0);
+        }
         if level.unbounded.iter().any(|&index| exact.any(index)) {
             return true;
         }
@@ -124,7 +128,7 @@ pub(super) fn lanes_of(mut mask: u32) -> impl Iterator<Item = usize> {
 }
 
 /// Most triangles that wait for their exact test.
-const WAITING: usize = 8;
+const WAITING: usize = 4;
 
 /// A search of one level.
 struct LevelSearch<'a, 's, 'p, const ANY: bool> {
@@ -166,7 +170,12 @@ impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
     #[inline(always)]
     fn new(exact: Exact<'a, 's, 'p, ANY>, ray32: &Ray32) -> Self {
         let (probe, t_max) = (exact.query.probe, exact.query.best.t);
-        let ray_block = RayBlock::new(ray32, exact.level.extent as f32);
+        let level = exact.level;
+        let ray_block = if level.has_blocks() {
+            RayBlock::new(ray32, level.extent as f32)
+        } else {
+            RayBlock::UNUSED
+        };
         let range = Range {
             // Twice as far as the exact bound, for the rounding of tests in f32 where t is negative.
             possible: (2.0 * probe.t_min.min(0.0)) as f32,
@@ -174,7 +183,7 @@ impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
             certain: [above(probe.t_min), below(t_max)],
         };
         Self {
-            ray_sphere: (!exact.level.sphere_blocks.is_empty()).then(|| RaySphere::new(&ray_block)),
+            ray_sphere: (!level.sphere_blocks.is_empty()).then(|| RaySphere::new(&ray_block)),
             ray_block,
             range,
             start: u32::try_from(probe.start.wrapping_sub(exact.base)).unwrap_or(NONE),
