@@ -1,6 +1,6 @@
-//! One hash everywhere: every scene of the corpus gives the pixels of its snapshot, with any number of threads,
-//! in packets and ray by ray, twice in a row, in this build. `.ci/run` runs this in debug, in release, and in release with plain instructions
-//! only (`RTSCRIPT_SIMD=portable`), so that all agree with the same snapshots and therefore with each other.
+//! One hash everywhere: every scene of the corpus gives the pixels of its snapshot, with any number of threads, in
+//! packets and ray by ray, twice in a row, in this build. `.ci/run` runs this in debug, in release, and in release with
+//! each set of instructions (`RTSCRIPT_SIMD`), so that all agree with the same snapshots and therefore with each other.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
