@@ -93,7 +93,7 @@ impl Simd {
     }
 }
 
-/// Eight lanes of f32, and what four lanes of [`F4`] can do besides their own.
+/// Eight lanes of f32, and what four lanes can do besides their own.
 ///
 /// A value of an implementing type is the proof that the processor has its instructions: only
 /// [`Bvh::traverse`](super::Bvh::traverse) makes one.
