@@ -6,7 +6,7 @@ use super::{
     level::{Level, Primitive},
     query::{Blocker, Hit, Probe},
     shaft::FewObstacles,
-    trace::{above, lanes_of},
+    trace::{lanes_of, range},
 };
 use crate::{
     accel::{
@@ -165,12 +165,7 @@ impl World<'_> {
             }
         }
         let ray32 = Ray32::new(ray);
-        let range = Range {
-            // Twice as far as the exact bound, for the rounding of tests in f32 where t is negative.
-            possible: (2.0 * probe.t_min.min(0.0)) as f32,
-            bound: above(walk.census.reach()),
-            certain: [f32::INFINITY, 0.0],
-        };
+        let range = range(probe.t_min, walk.census.reach());
         walk.prepared = level.has_blocks().then(|| {
             let ray_block = RayBlock::new(&ray32, level.extent as f32);
             Prepared {

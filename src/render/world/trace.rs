@@ -103,6 +103,17 @@ impl World<'_> {
     }
 }
 
+/// What counts in f32 where t counts from `t_min` to `t_max` in f64.
+#[inline(always)]
+pub(super) fn range(t_min: f64, t_max: f64) -> Range {
+    Range {
+        // Twice as far as the exact bound, for the rounding of tests in f32 where t is negative.
+        possible: (2.0 * t_min.min(0.0)) as f32,
+        bound: above(t_max),
+        certain: [above(t_min), below(t_max)],
+    }
+}
+
 /// In f32, not below `t` where it is not negative.
 #[inline(always)]
 pub(super) fn above(t: f64) -> f32 {
@@ -176,12 +187,7 @@ impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
         } else {
             RayBlock::UNUSED
         };
-        let range = Range {
-            // Twice as far as the exact bound, for the rounding of tests in f32 where t is negative.
-            possible: (2.0 * probe.t_min.min(0.0)) as f32,
-            bound: above(t_max),
-            certain: [above(probe.t_min), below(t_max)],
-        };
+        let range = range(probe.t_min, t_max);
         Self {
             ray_sphere: (!level.sphere_blocks.is_empty()).then(|| RaySphere::new(&ray_block)),
             ray_block,
