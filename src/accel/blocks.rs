@@ -267,13 +267,8 @@ mod tests {
     };
 
     fn random() -> impl FnMut() -> f64 {
-        let mut state = 5u64;
-        move || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        }
+        let mut next = crate::accel::random(5);
+        move || 2.0 * next() - 1.0
     }
 
     /// Rays at triangles of every size, most of them close to an edge, at scales from 1e-18 to 1e18.

@@ -22,3 +22,14 @@ pub use packet::{DONE, Decide, PACKET, Place, RayPacket, Search, rays};
 pub use ray::{Ray32, RayBlock, RayBox, RaySphere};
 pub use shaft::Shaft;
 pub use traverse::{Control, Visitor};
+
+/// Numbers in [0, 1) for tests, from the generator of Knuth's MMIX.
+#[cfg(test)]
+fn random(mut state: u64) -> impl FnMut() -> f64 {
+    move || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    }
+}

@@ -288,13 +288,7 @@ mod tests {
     };
 
     fn boxes(n: usize) -> Vec<Bounds3> {
-        let mut state = 1u64;
-        let mut next = move || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        };
+        let mut next = crate::accel::random(1);
         (0..n)
             .map(|_| {
                 let p = DVec3::new(next(), next(), next()) * 10.0 - 5.0;

@@ -3,13 +3,7 @@ use crate::math::{Bounds3, DVec3};
 
 /// Boxes of very different sizes.
 fn primitives(n: u32) -> Vec<Primitive> {
-    let mut state = 3u64;
-    let mut next = move || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1u64 << 53) as f64
-    };
+    let mut next = crate::accel::random(3);
     (0..n)
         .map(|index| {
             let p = DVec3::new(next(), next(), next());

@@ -258,13 +258,8 @@ mod tests {
     };
 
     fn random() -> impl FnMut() -> f64 {
-        let mut state = 9u64;
-        move || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        }
+        let mut next = crate::accel::random(9);
+        move || 2.0 * next() - 1.0
     }
 
     /// A packet of rays that ask for everything; `None` where they do not go together.
