@@ -1,0 +1,167 @@
+//! How two pictures differ.
+
+use std::{fs, io, path::Path};
+
+use crate::{math, render::Image, scene::Encoding};
+
+/// Pixels between the panels of [`diff_picture`].
+const GAP: usize = 4;
+
+/// How two pictures differ in 8 bits. Where one has pixels that the other has not, they differ by 255.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Comparison {
+    /// Pixels of the smallest picture that covers both.
+    pub pixels: u64,
+    /// Pixels that differ in any channel.
+    pub differing: u64,
+    /// Largest difference of a channel.
+    pub max: u8,
+    /// Peak signal-to-noise ratio in decibels over all channels; infinite where the pictures are equal.
+    pub psnr: f64,
+}
+
+/// Compares two pictures as they would be written in 8 bits.
+#[must_use]
+pub fn compare(expected: &Image, actual: &Image) -> Comparison {
+    let (expected, actual) = (Bytes::new(expected), Bytes::new(actual));
+    let (width, height) = expected.covering(&actual);
+    let (mut differing, mut max, mut squares) = (0, 0, 0u64);
+    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+        let channels = difference(expected.at(x, y), actual.at(x, y));
+        differing += u64::from(channels != [0; 3]);
+        max = channels.into_iter().fold(max, u8::max);
+        squares += channels.map(|d| u64::from(d) * u64::from(d)).iter().sum::<u64>();
+    }
+    let pixels = (width * height) as u64;
+    let mean_square = squares as f64 / (3 * pixels).max(1) as f64;
+    Comparison {
+        pixels,
+        differing,
+        max,
+        psnr: if squares == 0 {
+            f64::INFINITY
+        } else {
+            10.0 * math::log10(255.0 * 255.0 / mean_square)
+        },
+    }
+}
+
+/// Expected, difference and actual side by side. The difference is brightened until its largest is white.
+#[must_use]
+pub fn diff_picture(expected: &Image, actual: &Image) -> Image {
+    let max = u32::from(compare(expected, actual).max.max(1));
+    let (expected, actual) = (Bytes::new(expected), Bytes::new(actual));
+    let (width, height) = expected.covering(&actual);
+    let panel = width + GAP;
+    let mut bytes = Vec::new();
+    for y in 0..height {
+        for x in 0..3 * width + 2 * GAP {
+            let (e, a) = (expected.at(x % panel, y), actual.at(x % panel, y));
+            bytes.extend(match (x / panel, x % panel < width) {
+                (0, true) => e.unwrap_or_default(),
+                (1, true) => difference(e, a).map(|d| (u32::from(d) * 255 / max) as u8),
+                (_, true) => a.unwrap_or_default(),
+                (_, false) => [128; 3],
+            });
+        }
+    }
+    from_rgb8((3 * width + 2 * GAP) as u32, height as u32, &bytes)
+}
+
+/// The difference of two pixels; a missing one differs from any by 255.
+fn difference(a: Option<[u8; 3]>, b: Option<[u8; 3]>) -> [u8; 3] {
+    match (a, b) {
+        (Some(a), Some(b)) => [0, 1, 2].map(|i: usize| a[i].abs_diff(b[i])),
+        (None, None) => [0; 3],
+        _ => [255; 3],
+    }
+}
+
+/// A picture in 8 bits.
+struct Bytes {
+    width: usize,
+    height: usize,
+    rgb: Vec<u8>,
+}
+
+impl Bytes {
+    fn new(image: &Image) -> Self {
+        Self {
+            width: image.width() as usize,
+            height: image.height() as usize,
+            rgb: image.rgb8(),
+        }
+    }
+
+    /// Size of the smallest picture that covers both.
+    fn covering(&self, other: &Self) -> (usize, usize) {
+        (self.width.max(other.width), self.height.max(other.height))
+    }
+
+    fn at(&self, x: usize, y: usize) -> Option<[u8; 3]> {
+        if x >= self.width {
+            return None;
+        }
+        self.rgb.as_chunks::<3>().0.get(y * self.width + x).copied()
+    }
+}
+
+/// A picture that has exactly these 8-bit values. Its linear values are the middles of the steps of the `raw`
+/// encoding, so they are for comparing, not for light.
+#[must_use]
+pub fn from_rgb8(width: u32, height: u32, bytes: &[u8]) -> Image {
+    let pixels = bytes.as_chunks::<3>().0.iter();
+    let pixels = pixels.map(|rgb| rgb.map(|b| (f64::from(b) + 0.5) / 255.0));
+    Image::new(width, height, Encoding::Raw, pixels.collect())
+}
+
+/// Reads a picture file, for comparing (see [`from_rgb8`]).
+///
+/// # Errors
+/// Where it cannot be read or is no picture.
+pub fn load_picture(path: &Path) -> io::Result<Image> {
+    let decoded = image::load_from_memory(&fs::read(path)?)
+        .map_err(|e| io::Error::new(io::ErrorKind::InvalidData, e.to_string()))?
+        .to_rgb8();
+    Ok(from_rgb8(decoded.width(), decoded.height(), decoded.as_raw()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gray(width: u32, height: u32, byte: u8) -> Image {
+        from_rgb8(width, height, &vec![byte; (width * height * 3) as usize])
+    }
+
+    #[test]
+    fn bytes_survive_being_an_image() {
+        let bytes: Vec<u8> = (0..=255).flat_map(|b| [b, 255 - b, b / 2]).collect();
+        assert_eq!(from_rgb8(16, 16, &bytes).rgb8(), bytes);
+    }
+
+    #[test]
+    fn comparing_counts_pixels_channels_and_noise() {
+        let (a, mut bytes) = (gray(10, 10, 100), vec![100; 300]);
+        assert_eq!(compare(&a, &a).psnr, f64::INFINITY);
+        (bytes[0], bytes[1], bytes[299]) = (110, 99, 102);
+        let c = compare(&a, &from_rgb8(10, 10, &bytes));
+        assert_eq!((c.pixels, c.differing, c.max), (100, 2, 10));
+        assert!((c.psnr - 10.0 * math::log10(255.0 * 255.0 * 300.0 / 105.0)).abs() < 1e-12);
+        let c = compare(&a, &gray(10, 11, 100));
+        assert_eq!((c.pixels, c.differing, c.max), (110, 10, 255));
+    }
+
+    #[test]
+    fn the_diff_picture_shows_all_three() {
+        let diff = diff_picture(&gray(2, 2, 100), &gray(2, 2, 103));
+        assert_eq!((diff.width(), diff.height()), (14, 2));
+        let reds: Vec<u8> = diff.rgb8().chunks(3).take(14).map(|rgb| rgb[0]).collect();
+        assert_eq!(
+            reds,
+            [
+                100, 100, 128, 128, 128, 128, 255, 255, 128, 128, 128, 128, 103, 103
+            ]
+        );
+    }
+}

@@ -1,0 +1,23 @@
+//! Tests of pictures: what to keep of one as text, how two differ, and how to render a scene file in a test.
+//!
+//! A snapshot of a picture says enough to see what changed without looking: its size, the hash of its pixels, its
+//! mean color, a coarse grid of its brightness, and the scene it was made from. Two snapshots are equal exactly
+//! where the pixels and the scenes are.
+//!
+//! ```
+//! use rtscript::{Builder, NoHost, RenderOptions, render, testing::snapshot_text};
+//! let mut b = Builder::new();
+//! b.size(16, 16)?;
+//! let scene = b.finish().value;
+//! let image = render(&scene, &RenderOptions::default(), &NoHost)?.value.image;
+//! assert!(snapshot_text(&scene, &image).starts_with("size 16 x 16\nhash "));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod compare;
+mod files;
+mod snapshot;
+
+pub use compare::{Comparison, compare, diff_picture, from_rgb8, load_picture};
+pub use files::{RenderedFile, find_scenes, render_file};
+pub use snapshot::snapshot_text;
