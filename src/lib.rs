@@ -43,6 +43,8 @@ pub mod import;
 pub mod limits;
 pub mod math;
 pub mod output;
+pub mod parameters;
+pub mod recipe;
 pub mod render;
 pub mod scene;
 pub mod script;

@@ -9,15 +9,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use image::{
-    ExtendedColorType, ImageEncoder,
-    codecs::{
-        jpeg::JpegEncoder,
-        png::{CompressionType, FilterType, PngEncoder},
-    },
-};
+use image::{ExtendedColorType, ImageEncoder, codecs::jpeg::JpegEncoder};
 
-use crate::{diag::ErrorKind, host::HostError, render::Image};
+use crate::{diag::ErrorKind, host::HostError, recipe::Recipe, render::Image};
 
 /// Quality of JPEG files, of 100: no visible blocks, a third of the size of a PNG.
 const JPEG_QUALITY: u8 = 95;
@@ -69,20 +63,42 @@ impl Format {
 /// # Errors
 /// What the writer reports.
 pub fn encode_into(image: &Image, format: Format, out: &mut impl Write) -> io::Result<()> {
-    let (width, height, pixels) = (image.width(), image.height(), image.rgb8());
+    let (width, height) = (image.width(), image.height());
     match format {
-        Format::Png => PngEncoder::new_with_quality(&mut *out, CompressionType::Fast, FilterType::Adaptive)
-            .write_image(&pixels, width, height, ExtendedColorType::Rgb8)
-            .map_err(into_io)?,
+        Format::Png => encode_png(image, None, &mut *out)?,
         Format::Jpeg => JpegEncoder::new_with_quality(&mut *out, JPEG_QUALITY)
-            .write_image(&pixels, width, height, ExtendedColorType::Rgb8)
+            .write_image(&image.rgb8(), width, height, ExtendedColorType::Rgb8)
             .map_err(into_io)?,
         Format::Ppm => {
             write!(out, "P6\n{width} {height}\n255\n")?;
-            out.write_all(&pixels)?;
+            out.write_all(&image.rgb8())?;
         }
     }
     out.flush()
+}
+
+/// Encodes a PNG that carries its recipe as a text chunk.
+///
+/// # Errors
+/// What the writer reports.
+pub fn encode_png_with(image: &Image, recipe: &Recipe) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    encode_png(image, Some(recipe), &mut bytes)?;
+    Ok(bytes)
+}
+
+fn encode_png(image: &Image, recipe: Option<&Recipe>, out: impl Write) -> io::Result<()> {
+    let mut encoder = png::Encoder::new(out, image.width(), image.height());
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_filter(png::Filter::Adaptive);
+    let mut writer = encoder.write_header()?;
+    if let Some(recipe) = recipe {
+        writer.write_text_chunk(&recipe.chunk())?;
+    }
+    writer.write_image_data(&image.rgb8())?;
+    Ok(writer.finish()?)
 }
 
 /// Encodes a picture into bytes.

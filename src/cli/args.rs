@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::parameters::{Parameters, parse_size};
+
 const AFTER_HELP: &str = "\
 Examples:
   rtscript scene.rhai                        writes scene.png in the current folder
@@ -11,6 +13,8 @@ Examples:
   rtscript *.rhai -o pictures                one picture for each script
   rtscript - < scene.rhai                    reads standard input, writes out.png
   rtscript convert scene1.test -o scene1.rhai
+  rtscript test --accept scenes              puts pictures on record; rtscript test scenes compares with them
+  rtscript hash scene.rhai                   prints the hash of the pixels and the hash of the scene
 
 A script reads files below its own folder only. Pictures it names itself, render(\"name.png\"), go below \
 the current folder. What it prints goes to standard output, everything else to standard error.
@@ -18,6 +22,19 @@ the current folder. What it prints goes to standard output, everything else to s
 Exit codes: 0 done, 1 script or scene error, 2 usage, 3 input missing or malformed, 4 output cannot be \
 written, 5 a limit was hit, 6 access denied, 70 internal error, 130, 143, 129 stopped by SIGINT, SIGTERM, \
 SIGHUP.";
+
+const AFTER_TEST: &str = "\
+A scene is a script (.rhai) or a course scene (.test). Without paths, these are tested: below the current folder, \
+every scene that has a snapshot, and every scene in a folder called tests. A folder that is given is searched for \
+all scenes. Hidden files, names that begin with _, and the folders lib, modules, target and node_modules are passed \
+over.
+
+The snapshot of scene.rhai is scene.rtsnap, a small text to be kept beside it, and its reference picture is \
+scene.rtsnap.png, which also carries the script, so that a report can tell what changed in it. A scene is \
+rendered in the size on record; a new one in its own size, but at most 320 pixels along the longer edge.
+
+Exit codes: 0 all as on record, 1 something changed, is new or fails, 2 usage, 3 a path is missing, 4 a report or \
+a snapshot cannot be written, 130, 143, 129 stopped by a signal.";
 
 /// Renders pictures that are written as code.
 ///
@@ -41,11 +58,16 @@ pub(super) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
-    /// Render scenes, as without a command; for a file called render or convert write ./render
+    /// Render scenes, as without a command; for a file called as a command is, write ./render
     #[command(after_help = AFTER_HELP)]
     Render(RenderArgs),
     /// Turn a scene of the CSE167 course into a script that gives the same pixels
     Convert(ConvertArgs),
+    /// Compare scenes with their snapshots, or put them on record
+    #[command(after_help = AFTER_TEST)]
+    Test(TestArgs),
+    /// Print the hash of a scene's pixels and the hash of the scene, and nothing else
+    Hash(HashArgs),
 }
 
 #[derive(Debug, Args)]
@@ -60,21 +82,12 @@ pub(super) struct RenderArgs {
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
 
-    /// Size of the picture in pixels, such as 640x480, in place of the scene's
-    #[arg(long, value_name = "WxH", value_parser = parse_size)]
-    pub(super) size: Option<(u32, u32)>,
-
-    /// Rays per pixel, in place of the scene's
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    pub(super) samples: Option<u32>,
+    #[command(flatten)]
+    pub(super) overrides: Overrides,
 
     /// Threads to render with; the picture is the same for any number [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(super) threads: Option<u16>,
-
-    /// Seed of every random choice, in place of the scene's
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    pub(super) seed: Option<u64>,
 
     /// Only errors: no progress, no warnings, no line for each picture
     #[arg(short, long)]
@@ -83,6 +96,30 @@ pub(super) struct RenderArgs {
     /// What it took, on standard error: rays by kind, seconds by stage, memory. As JSON, one line for each scene
     #[arg(long, value_name = "FORMAT", num_args = 0..=1, require_equals = true, default_missing_value = "text")]
     pub(super) stats: Option<StatsFormat>,
+}
+
+/// What is decided on the command line instead of in the scene.
+#[derive(Debug, Args)]
+pub(super) struct Overrides {
+    /// Size of the picture in pixels, such as 640x480, in place of the scene's
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub(super) size: Option<(u32, u32)>,
+
+    /// Rays per pixel, in place of the scene's
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(super) samples: Option<u32>,
+
+    /// Seed of every random choice, in place of the scene's
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub(super) seed: Option<u64>,
+}
+
+impl Overrides {
+    pub(super) fn parameters(&self) -> Parameters {
+        let mut parameters = Parameters::default();
+        (parameters.size, parameters.samples, parameters.seed) = (self.size, self.samples, self.seed);
+        parameters
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -104,12 +141,116 @@ pub(super) struct ConvertArgs {
     pub(super) output: Option<PathBuf>,
 }
 
-/// `640x480` to its two numbers, both at least 1.
-fn parse_size(text: &str) -> Result<(u32, u32), String> {
-    let edge = |digits: &str| digits.parse::<u32>().ok().filter(|&n| n > 0);
-    text.split_once(['x', 'X'])
-        .and_then(|(width, height)| Some((edge(width)?, edge(height)?)))
-        .ok_or_else(|| "expected two whole numbers above 0 with an x between, such as 640x480".to_owned())
+#[derive(Debug, Args)]
+pub(super) struct TestArgs {
+    /// Scenes, or folders to be searched for scenes
+    #[arg(value_name = "PATH")]
+    pub(super) paths: Vec<PathBuf>,
+
+    /// Put what changed and what is new on record
+    #[arg(long, conflicts_with = "review")]
+    pub(super) accept: bool,
+
+    /// Show what changed and what is new, one by one, and ask whether to accept it
+    #[arg(long)]
+    pub(super) review: bool,
+
+    /// Only scenes whose path contains TEXT; several are alternatives
+    #[arg(long, value_name = "TEXT")]
+    pub(super) filter: Vec<String>,
+
+    /// Scenes to work on at once [default: one for each processor]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(super) jobs: Option<u16>,
+
+    /// Largest mean FLIP error that passes, 0 to 1, where pixels differ; 0.01 is hardly seen. Needs reference pictures
+    #[arg(long, value_name = "X", default_value = "0", hide_default_value = true, value_parser = parse_tolerance)]
+    pub(super) tolerance: f64,
+
+    #[command(flatten)]
+    pub(super) overrides: Overrides,
+
+    /// Keep no reference pictures beside the snapshots; a change is then found, but not shown
+    #[arg(long)]
+    pub(super) no_pictures: bool,
+
+    /// Write a report to be looked at: one HTML file with all pictures in it
+    #[arg(long, value_name = "FILE")]
+    pub(super) html: Option<PathBuf>,
+
+    /// Write a report in JUnit's XML, which CI systems read
+    #[arg(long, value_name = "FILE")]
+    pub(super) junit: Option<PathBuf>,
+
+    /// Write a report in JSON; - is standard output
+    #[arg(long, value_name = "FILE")]
+    pub(super) json: Option<PathBuf>,
+
+    /// Write expected, difference and actual side by side into this folder, for each scene that changed
+    #[arg(long, value_name = "FOLDER")]
+    pub(super) diffs: Option<PathBuf>,
+
+    /// Pictures in the terminal with --review
+    #[arg(long, value_name = "HOW", default_value = "auto")]
+    pub(super) pictures: TerminalPictures,
+
+    /// Only what did not pass, and the last line
+    #[arg(short, long)]
+    pub(super) quiet: bool,
+}
+
+impl TestArgs {
+    /// What clap cannot say about arguments that several commands share.
+    pub(super) fn check(&self) -> Result<(), String> {
+        if self.overrides.parameters() != Parameters::default() && !(self.accept || self.review) {
+            return Err(
+                "--size, --samples and --seed are put on record with --accept or --review; a test renders as the \
+                 record says"
+                    .to_owned(),
+            );
+        }
+        Ok(())
+    }
+}
+
+/// How a terminal shows a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum TerminalPictures {
+    /// By what the terminal says it can; none where there is no terminal
+    #[default]
+    Auto,
+    /// Kitty's protocol, which Ghostty and WezTerm speak too
+    Kitty,
+    /// Colored half blocks
+    Blocks,
+    /// No pictures
+    None,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct HashArgs {
+    /// Scenes to hash. With one, the line is PIXELS SCENE; with several, the name follows
+    #[arg(value_name = "FILE", required = true)]
+    pub(super) files: Vec<PathBuf>,
+
+    /// Only the hash of the scene: nothing is rendered that the script does not render itself
+    #[arg(long)]
+    pub(super) scene: bool,
+
+    #[command(flatten)]
+    pub(super) overrides: Overrides,
+
+    /// Threads to render with; the hash is the same for any number [default: one for each processor]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(super) threads: Option<u16>,
+}
+
+/// A share of 1.
+fn parse_tolerance(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok();
+    number
+        .filter(|x| (0.0..=1.0).contains(x))
+        .ok_or_else(|| "expected a number from 0 (exact) to 1".to_owned())
 }
 
 #[cfg(test)]
@@ -120,25 +261,6 @@ mod tests {
     #[test]
     fn the_definition_is_sound() {
         Cli::command().debug_assert();
-    }
-
-    #[test]
-    fn sizes() {
-        assert_eq!(parse_size("640x480"), Ok((640, 480)));
-        assert_eq!(parse_size("1X1"), Ok((1, 1)));
-        for bad in [
-            "640",
-            "640x",
-            "x480",
-            "0x480",
-            "640x0",
-            "-1x5",
-            "640 x 480",
-            "1x2x3",
-            "99999999999x1",
-        ] {
-            assert!(parse_size(bad).is_err(), "{bad}");
-        }
     }
 
     #[test]

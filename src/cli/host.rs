@@ -120,6 +120,38 @@ impl Host for CliHost {
     }
 }
 
+/// The host of a scene of which only the outcome counts: reads below a folder, stops by a signal, takes every picture
+/// and prints nothing.
+#[derive(Debug)]
+pub(super) struct SilentHost {
+    assets: DirHost,
+    signals: Arc<Signals>,
+}
+
+impl SilentHost {
+    /// A host for a scene whose assets are read below `root`.
+    pub(super) fn new(root: &Path, signals: Arc<Signals>) -> Self {
+        Self {
+            assets: DirHost::new(root),
+            signals,
+        }
+    }
+}
+
+impl Host for SilentHost {
+    fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, HostError> {
+        self.assets.read(path, max_bytes)
+    }
+
+    fn should_stop(&self) -> bool {
+        self.signals.caught().is_some()
+    }
+
+    fn write_image(&self, _name: &str, _image: &Image) -> Result<(), HostError> {
+        Ok(())
+    }
+}
+
 /// The path of a picture that a script names: relative, without `..`, and not through a link that leads out of
 /// the current folder.
 fn below_current_folder(name: &str) -> Result<PathBuf, HostError> {

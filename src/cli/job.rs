@@ -22,7 +22,7 @@ use crate::{
     host::HostError,
     limits::Limits,
     output::{self, Format},
-    render::{Image, RenderOptions, render},
+    render::{Image, render},
     script::{Picture, RunOptions},
     source,
 };
@@ -231,13 +231,8 @@ impl Job {
 }
 
 fn run_options(args: &RenderArgs) -> RunOptions {
-    RunOptions {
-        size: args.size,
-        samples: args.samples,
-        seed: args.seed,
-        render: RenderOptions {
-            threads: args.threads.map_or(0, usize::from),
-            ..RenderOptions::default()
-        },
-    }
+    let mut options = RunOptions::default();
+    args.overrides.parameters().apply(&mut options);
+    options.render.threads = args.threads.map_or(0, usize::from);
+    options
 }

@@ -6,13 +6,16 @@
 mod args;
 mod convert;
 mod guard;
+mod hash;
 mod host;
 mod input;
 mod job;
+mod picture;
 mod progress;
 mod report;
 mod signals;
 mod stats;
+mod test;
 
 use std::{
     collections::BTreeMap,
@@ -25,7 +28,7 @@ use std::{
 use clap::{CommandFactory, Parser, error::ErrorKind as UsageError};
 
 use self::{
-    args::{Cli, Command, RenderArgs},
+    args::{Cli, Command, RenderArgs, TestArgs},
     input::Input,
     job::{Job, Target},
     report::Reporter,
@@ -51,6 +54,11 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
             let result = guard::guarded(|| convert::convert(&args));
             finish(result, Reporter::new(false), &signals)
         }
+        Some(Command::Hash(args)) => {
+            let result = guard::guarded(|| hash::hash(&args, &signals));
+            finish(result, Reporter::new(false), &signals)
+        }
+        Some(Command::Test(args)) => test(&args, &signals),
         Some(Command::Render(args)) => render(&args, &signals),
         None => render(&cli.render, &signals),
     }
@@ -74,6 +82,18 @@ fn render(args: &RenderArgs, signals: &Arc<Signals>) -> u8 {
         }
     }
     code
+}
+
+/// Tests scenes. That some do not pass is said by the code 1, as for a scene that cannot be rendered.
+fn test(args: &TestArgs, signals: &Arc<Signals>) -> u8 {
+    if let Err(message) = args.check() {
+        return usage(&Cli::command().error(UsageError::ArgumentConflict, message));
+    }
+    let reporter = Reporter::new(args.quiet);
+    match guard::guarded(|| test::run(args, signals, reporter)) {
+        Ok(all_passed) => u8::from(!all_passed),
+        error => finish(error.map(drop), reporter, signals),
+    }
 }
 
 /// Which file goes where, checked as a whole.

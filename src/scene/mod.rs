@@ -8,6 +8,7 @@ mod builder;
 mod camera;
 mod dump;
 mod error;
+mod hash;
 mod light;
 mod material;
 mod mesh;

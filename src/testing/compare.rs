@@ -1,6 +1,6 @@
 //! How two pictures differ.
 
-use std::{fs, io, path::Path};
+use std::{fmt, fs, io, path::Path};
 
 use crate::{math, render::Image, scene::Encoding};
 
@@ -44,6 +44,60 @@ pub fn compare(expected: &Image, actual: &Image) -> Comparison {
             10.0 * math::log10(255.0 * 255.0 / mean_square)
         },
     }
+}
+
+/// A rectangle of pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Region {
+    /// Its first column.
+    pub left: u32,
+    /// Its first row, from the top.
+    pub top: u32,
+    /// Columns, at least 1.
+    pub width: u32,
+    /// Rows, at least 1.
+    pub height: u32,
+}
+
+impl Region {
+    /// The smallest rectangle around all of these pixels, (column, row) each; `None` where there are none.
+    #[must_use]
+    pub fn around(pixels: &[(u32, u32)]) -> Option<Self> {
+        let edges =
+            |of: fn(&(u32, u32)) -> u32| Some((pixels.iter().map(of).min()?, pixels.iter().map(of).max()?));
+        let ((left, right), (top, bottom)) = (edges(|p| p.0)?, edges(|p| p.1)?);
+        Some(Self {
+            left,
+            top,
+            width: right - left + 1,
+            height: bottom - top + 1,
+        })
+    }
+}
+
+impl fmt::Display for Region {
+    /// `40 x 30 at (12, 7)`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            left,
+            top,
+            width,
+            height,
+        } = self;
+        write!(f, "{width} x {height} at ({left}, {top})")
+    }
+}
+
+/// Columns and rows of the pixels that differ in 8 bits, row by row from the top.
+#[must_use]
+pub fn changed_pixels(expected: &Image, actual: &Image) -> Vec<(u32, u32)> {
+    let (expected, actual) = (Bytes::new(expected), Bytes::new(actual));
+    let (width, height) = expected.covering(&actual);
+    (0..height)
+        .flat_map(|y| (0..width).map(move |x| (x, y)))
+        .filter(|&(x, y)| expected.at(x, y) != actual.at(x, y))
+        .map(|(x, y)| (x as u32, y as u32))
+        .collect()
 }
 
 /// Expected, difference and actual side by side. The difference is brightened until its largest is white.
@@ -150,6 +204,19 @@ mod tests {
         assert!((c.psnr - 10.0 * math::log10(255.0 * 255.0 * 300.0 / 105.0)).abs() < 1e-12);
         let c = compare(&a, &gray(10, 11, 100));
         assert_eq!((c.pixels, c.differing, c.max), (110, 10, 255));
+    }
+
+    #[test]
+    fn the_region_is_around_what_changed() {
+        let (a, mut bytes) = (gray(10, 8, 100), vec![100; 240]);
+        assert_eq!(Region::around(&changed_pixels(&a, &a)), None);
+        (bytes[(3 * 10 + 4) * 3], bytes[(5 * 10 + 2) * 3 + 2]) = (0, 0);
+        let changed = changed_pixels(&a, &from_rgb8(10, 8, &bytes));
+        assert_eq!(changed, [(4, 3), (2, 5)]);
+        let region = Region::around(&changed).unwrap();
+        assert_eq!(region.to_string(), "3 x 3 at (2, 3)");
+        let taller = changed_pixels(&a, &gray(10, 9, 100));
+        assert_eq!(Region::around(&taller).unwrap().to_string(), "10 x 1 at (0, 8)");
     }
 
     #[test]

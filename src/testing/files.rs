@@ -2,9 +2,10 @@
 
 use std::{
     fmt::Write as _,
-    fs, io,
+    fs,
+    io::{self, Read},
     path::{Path, PathBuf},
-    sync::{Mutex, PoisonError},
+    sync::{Mutex, MutexGuard, PoisonError},
 };
 
 use super::snapshot::{SHOWN, picture_text};
@@ -52,6 +53,9 @@ pub struct RenderedFile {
     pub warnings: Vec<Diagnostic>,
     /// What the script printed, a line end after each text.
     pub printed: String,
+    /// Names and texts of the scene's scripts: the scene file itself, then its modules by their paths from its
+    /// folder, each as often as it was read.
+    pub sources: Vec<(String, String)>,
 }
 
 impl RenderedFile {
@@ -84,16 +88,48 @@ impl RenderedFile {
 /// # Errors
 /// Whatever is wrong with the scene.
 pub fn render_file(path: &Path, options: &RunOptions) -> Result<RenderedFile, Error> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let text = read_scene(path)?;
+    let assets = DirHost::new(path.parent().unwrap_or(Path::new(".")));
+    render_text(&name_alone(path), &text, &assets, options)
+}
+
+/// What messages call a scene file in a test.
+pub(crate) fn name_alone(path: &Path) -> String {
+    path.file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
+}
+
+/// The text of a scene file.
+///
+/// # Errors
+/// `Input` where it cannot be read, or as [`source::text`].
+pub(crate) fn read_scene(path: &Path) -> Result<String, Error> {
+    let name = name_alone(path);
     let limits = Limits::default();
-    let bytes = fs::read(path)
+    let mut bytes = Vec::new();
+    fs::File::open(path)
+        .and_then(|file| file.take(limits.source_bytes as u64 + 1).read_to_end(&mut bytes))
         .map_err(|e| Diagnostic::error(ErrorKind::Input, format!("cannot read '{name}': {e}")))?;
-    let text = source::text(&name, bytes, &limits)?;
+    source::text(&name, bytes, &limits)
+}
+
+/// As [`render_file`], from a text and with any host for assets, progress and the wish to stop.
+///
+/// # Errors
+/// Whatever is wrong with the scene.
+pub fn render_text(
+    name: &str,
+    text: &str,
+    assets: &dyn Host,
+    options: &RunOptions,
+) -> Result<RenderedFile, Error> {
     let host = TestHost {
-        assets: DirHost::new(path.parent().unwrap_or(Path::new("."))),
-        printed: Mutex::default(),
+        assets,
+        seen: Mutex::default(),
     };
-    let run = source::load(&name, &text, &host, &limits, options)?;
+    let run = source::load(name, text, &host, &Limits::default(), options)?;
     let (mut earlier, mut warnings) = (run.value.pictures, run.warnings);
     let image = match earlier.pop() {
         Some(last) => last.image,
@@ -103,30 +139,56 @@ pub fn render_file(path: &Path, options: &RunOptions) -> Result<RenderedFile, Er
             rendered.value.image
         }
     };
+    let seen = host.seen.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let mut sources = vec![(name.to_owned(), text.to_owned())];
+    sources.extend(seen.modules);
     Ok(RenderedFile {
         scene: run.value.scene,
         image,
         earlier,
         warnings,
-        printed: host.printed.into_inner().unwrap_or_else(PoisonError::into_inner),
+        printed: seen.printed,
+        sources,
     })
 }
 
-/// Reads below one folder, keeps what is printed, takes every picture and drops it.
-struct TestHost {
-    assets: DirHost,
-    printed: Mutex<String>,
+/// Keeps what is printed and which modules are read, takes every picture and drops it.
+struct TestHost<'a> {
+    assets: &'a dyn Host,
+    seen: Mutex<Seen>,
 }
 
-impl Host for TestHost {
+#[derive(Default)]
+struct Seen {
+    printed: String,
+    modules: Vec<(String, String)>,
+}
+
+impl TestHost<'_> {
+    fn seen(&self) -> MutexGuard<'_, Seen> {
+        self.seen.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Host for TestHost<'_> {
     fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, HostError> {
-        self.assets.read(path, max_bytes)
+        let bytes = self.assets.read(path, max_bytes)?;
+        if path.ends_with(".rhai")
+            && let Ok(text) = str::from_utf8(&bytes)
+        {
+            self.seen().modules.push((path.to_owned(), text.to_owned()));
+        }
+        Ok(bytes)
     }
 
     fn print(&self, text: &str) {
-        let mut printed = self.printed.lock().unwrap_or_else(PoisonError::into_inner);
-        printed.push_str(text);
-        printed.push('\n');
+        let mut seen = self.seen();
+        seen.printed.push_str(text);
+        seen.printed.push('\n');
+    }
+
+    fn should_stop(&self) -> bool {
+        self.assets.should_stop()
     }
 
     fn write_image(&self, _name: &str, _image: &Image) -> Result<(), HostError> {

@@ -14,10 +14,17 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod blame;
 mod compare;
 mod files;
+mod record;
 mod snapshot;
 
-pub use compare::{Comparison, compare, diff_picture, from_rgb8, load_picture};
-pub use files::{RenderedFile, find_scenes, render_file};
-pub use snapshot::snapshot_text;
+pub use blame::{LineShare, changed_lines};
+pub use compare::{Comparison, Region, changed_pixels, compare, diff_picture, from_rgb8, load_picture};
+pub use files::{RenderedFile, find_scenes, render_file, render_text};
+pub use record::Snapshot;
+pub use snapshot::{Look, snapshot_text};
+
+#[cfg(feature = "cli")]
+pub(crate) use files::{name_alone, read_scene};

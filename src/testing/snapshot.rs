@@ -1,13 +1,13 @@
 //! What to keep of a picture as text.
 
-use std::fmt::Write as _;
+use std::fmt;
 
 use crate::{render::Image, scene::Scene};
 
 /// Entries of each list of a scene that a snapshot shows in full.
 pub(super) const SHOWN: usize = 20;
 /// Cells of the luma grid along each edge.
-const GRID: usize = 8;
+pub(super) const GRID: usize = 8;
 
 /// A picture and its scene as text: size, hash, mean color (of the 8-bit values, 1 is white), an 8 x 8 grid of mean
 /// luma (of the 8-bit values, two hexadecimal digits a cell, rows from the top), and the scene's dump, long lists
@@ -21,29 +21,62 @@ pub fn snapshot_text(scene: &Scene, image: &Image) -> String {
 }
 
 pub(super) fn picture_text(image: &Image) -> String {
-    let (width, height, bytes) = (image.width() as usize, image.height() as usize, image.rgb8());
-    let mut sums = [0u64; 3];
-    for pixel in bytes.as_chunks::<3>().0 {
-        for (sum, byte) in sums.iter_mut().zip(pixel) {
-            *sum += u64::from(*byte);
-        }
-    }
-    let white = (width * height * 255).max(1) as f64;
-    let [r, g, b] = sums.map(|sum| sum as f64 / white);
-    let mut text = format!(
-        "size {width} x {height}\nhash {}\nmean {r:.6} {g:.6} {b:.6}\nluma",
+    let look = Look::of(image);
+    format!(
+        "size {} x {}\nhash {}\n{look}",
+        image.width(),
+        image.height(),
         image.hash()
-    );
-    for row in 0..GRID {
-        text.push_str("\n ");
-        for column in 0..GRID {
-            let luma = cell_luma(&bytes, width, cell(row, height), cell(column, width));
-            // Writing into a String does not fail.
-            let _ = write!(text, " {luma:02x}");
+    )
+}
+
+/// What a picture looks like, coarsely.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Look {
+    /// Mean of each channel of the 8-bit values; 1 is white.
+    pub mean: [f64; 3],
+    /// Mean luma (weights of Rec. 709) of the 8-bit values in 8 x 8 cells, rows from the top.
+    pub luma: [[u8; GRID]; GRID],
+}
+
+impl Look {
+    /// What `image` looks like.
+    #[must_use]
+    pub fn of(image: &Image) -> Self {
+        let (width, height, bytes) = (image.width() as usize, image.height() as usize, image.rgb8());
+        let mut sums = [0u64; 3];
+        for pixel in bytes.as_chunks::<3>().0 {
+            for (sum, byte) in sums.iter_mut().zip(pixel) {
+                *sum += u64::from(*byte);
+            }
+        }
+        let white = (width * height * 255).max(1) as f64;
+        let mut luma = [[0; GRID]; GRID];
+        for (row, cells) in luma.iter_mut().enumerate() {
+            for (column, luma) in cells.iter_mut().enumerate() {
+                *luma = cell_luma(&bytes, width, cell(row, height), cell(column, width)) as u8;
+            }
+        }
+        Self {
+            mean: sums.map(|sum| sum as f64 / white),
+            luma,
         }
     }
-    text.push('\n');
-    text
+}
+
+/// `mean R G B`, then `luma` and a line for each row of cells.
+impl fmt::Display for Look {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [r, g, b] = self.mean;
+        write!(f, "mean {r:.6} {g:.6} {b:.6}\nluma")?;
+        for row in self.luma {
+            write!(f, "\n ")?;
+            for cell in row {
+                write!(f, " {cell:02x}")?;
+            }
+        }
+        writeln!(f)
+    }
 }
 
 /// The pixels of one grid cell along an edge of `pixels`, at least one where there is any.

@@ -8,6 +8,7 @@
 mod compile;
 mod exact;
 mod level;
+mod origin;
 mod packet;
 mod query;
 mod shaft;

@@ -155,7 +155,7 @@ impl<'s> World<'s> {
     }
 
     /// The object with this index in the group that a level was made from.
-    fn object(&self, level: &Level, index: u32) -> Option<&'s Object> {
+    pub(super) fn object(&self, level: &Level, index: u32) -> Option<&'s Object> {
         let group = level.group?;
         self.scene.groups.get(group.index())?.objects.get(index as usize)
     }

@@ -1,0 +1,5 @@
+//! stub
+use super::outcome::{Case, Totals};
+pub(super) fn html(_: &[Case], _: &Totals) -> String {
+    String::new()
+}
