@@ -40,13 +40,13 @@ const MAY_NAME: [(&str, &[&str]); 17] = [
     (
         "testing",
         &[
-            "math", "diag", "host", "limits", "scene", "render", "script", "source", "output",
+            "math", "color", "diag", "host", "limits", "scene", "render", "script", "source", "output",
         ],
     ),
     (
         "cli",
         &[
-            "diag", "host", "limits", "render", "import", "output", "script", "source",
+            "diag", "host", "limits", "render", "import", "output", "script", "source", "testing",
         ],
     ),
     ("main", &[]),

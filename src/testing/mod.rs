@@ -17,12 +17,14 @@
 mod blame;
 mod compare;
 mod files;
+mod flip;
 mod record;
 mod snapshot;
 
 pub use blame::{LineShare, changed_lines};
 pub use compare::{Comparison, Region, changed_pixels, compare, diff_picture, from_rgb8, load_picture};
 pub use files::{RenderedFile, find_scenes, render_file, render_text};
+pub use flip::{FlipMap, flip};
 pub use record::Snapshot;
 pub use snapshot::{Look, snapshot_text};
 
