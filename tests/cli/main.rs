@@ -7,6 +7,7 @@ mod files;
 mod flags;
 mod pictures;
 mod scripts;
+mod snapshots;
 #[cfg(unix)]
 mod system;
 mod usage;
