@@ -73,8 +73,9 @@ const IMPURE: [&str; 10] = [
 /// Modules that may touch the file system.
 const MAY_OPEN_FILES: [&str; 4] = ["host", "output", "testing", "cli"];
 
-/// The one place that asks the environment: which instructions to use, which no pixel depends on.
-const MAY_ASK: (&str, &str) = ("accel/lanes/mod.rs", "std::env");
+/// The places that ask the environment: which instructions to use, and where an assertion of a test may write. No pixel
+/// depends on either.
+const MAY_ASK: [&str; 2] = ["accel/lanes/mod.rs", "testing/assert/surroundings.rs"];
 
 /// A source file: the module it belongs to and the words of its code, comments and texts left out.
 struct Source {
@@ -116,8 +117,8 @@ fn collect(root: &Path, folder: &Path, sources: &mut Vec<Source>) {
         let relative = path.strip_prefix(root).unwrap().with_extension("");
         let code = without_tests(&without_comments_and_texts(text));
         let mut names = names(&code);
-        if path.ends_with(MAY_ASK.0) {
-            names.retain(|name| !starts_with_path(name, MAY_ASK.1));
+        if MAY_ASK.iter().any(|file| path.ends_with(file)) {
+            names.retain(|name| !starts_with_path(name, "std::env"));
         }
         sources.push(Source {
             path: path.to_path_buf(),
@@ -242,13 +243,21 @@ fn starts_with_path(name: &str, path: &str) -> bool {
         .is_some_and(|rest| rest.is_empty() || rest.starts_with(':'))
 }
 
-/// What the crate's root shows again, and where it comes from: `Scene` to `scene::Scene`.
+/// What the crate's root shows again, and where it comes from: `Scene` to `scene::Scene`. An exported macro stands in
+/// the root, whatever module makes it.
 fn shown_again(sources: &[Source]) -> BTreeMap<String, String> {
     let root = sources.iter().find(|source| source.module == "lib").unwrap();
     let paths = root.names.iter().filter(|name| name.contains("::"));
-    paths
+    let mut shown: BTreeMap<String, String> = paths
         .filter_map(|path| Some((path.rsplit_once("::")?.1.to_owned(), path.clone())))
-        .collect()
+        .collect();
+    for source in sources {
+        for macro_rules in source.code.split("#[macro_export]\nmacro_rules!").skip(1) {
+            let name = macro_rules.split_whitespace().next().unwrap_or_default();
+            shown.insert(name.to_owned(), format!("{}::{name}", source.module));
+        }
+    }
+    shown
 }
 
 #[test]

@@ -7,17 +7,19 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::{
-    env, fs,
-    panic::{self, AssertUnwindSafe, catch_unwind},
+    env, fs, panic,
     path::{Path, PathBuf},
     process::{Command, ExitCode},
 };
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use rtscript::{
-    Error, Image, output,
     script::RunOptions,
-    testing::{RenderedFile, compare, diff_picture, find_scenes, load_picture, render_file},
+    testing::{
+        RenderedFile, Snapshotted, Taken,
+        assert::{SnapshotOptions, snapshot_site},
+        find_scenes, intent, render_file,
+    },
 };
 
 /// A scene shows one thing, and a repository holds many of them.
@@ -70,10 +72,6 @@ fn accept() -> ExitCode {
     )
 }
 
-fn is_accepting() -> bool {
-    env::var("INSTA_UPDATE").is_ok_and(|how| how == "always" || how == "force")
-}
-
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenes")
 }
@@ -87,108 +85,27 @@ fn name_of(scene: &Path) -> String {
 
 fn check(scene: &Path) -> Result<(), Failed> {
     let must_fail = name_of(scene).starts_with("errors/");
-    match (render_file(scene, &RunOptions::default()), must_fail) {
-        (Ok(rendered), false) => check_picture(scene, &rendered),
-        (Err(error), true) => check_snapshot(scene, &error_text(&error), "").map_err(Failed::from),
-        (Ok(_), true) => Err("a scene under errors/ must fail, but this one rendered".into()),
-        (Err(error), false) => Err(error.to_string().into()),
-    }
+    let taken = match (render_file(scene, &RunOptions::default()), must_fail) {
+        (Ok(rendered), false) => taken_of(scene, &rendered)?,
+        (Err(error), true) => Taken::error(&error),
+        (Ok(_), true) => return Err("a scene under errors/ must fail, but this one rendered".into()),
+        (Err(error), false) => return Err(error.to_string().into()),
+    };
+    let checked = snapshot_site!().check_beside(scene, &taken, &SnapshotOptions::default());
+    checked.map_err(Failed::from)
 }
 
-fn check_picture(scene: &Path, rendered: &RenderedFile) -> Result<(), Failed> {
+/// What the snapshot keeps, where the scene is small and says what it is for.
+fn taken_of(scene: &Path, rendered: &RenderedFile) -> Result<Taken, Failed> {
     let image = &rendered.image;
     if image.width() * image.height() > MOST_PIXELS {
         let size = format!("{} x {}", image.width(), image.height());
         return Err(format!("{size} is more than 160 x 120 pixels; a scene here shows one thing").into());
     }
-    let intent = intent(scene)?;
-    let reference = scene.with_extension("png");
-    let expected = load_picture(&reference);
-    if let Err(message) = check_snapshot(scene, &rendered.snapshot(), &intent) {
-        let shown = show_difference(scene, expected.ok().as_ref(), image)?;
-        return Err(format!("{message}\n{shown}").into());
-    }
-    let is_current = expected.is_ok_and(|expected| {
-        (expected.width(), expected.height()) == (image.width(), image.height())
-            && compare(&expected, image).differing == 0
-    });
-    if is_current {
-        return Ok(());
-    }
-    if is_accepting() {
-        return output::save(&reference, image).map_err(|e| e.message.into());
-    }
-    Err(format!(
-        "{} is not the picture of its snapshot; RTSCRIPT_ACCEPT=1 cargo test --test scenes writes it",
-        reference.display()
-    )
-    .into())
-}
-
-/// Compares with `<case>.snap` by insta, so that `cargo insta review` works.
-fn check_snapshot(scene: &Path, text: &str, intent: &str) -> Result<(), String> {
-    let case = scene
-        .file_stem()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned();
-    let mut settings = insta::Settings::clone_current();
-    settings.set_snapshot_path(scene.parent().unwrap_or(Path::new(".")));
-    settings.set_prepend_module_to_snapshot(false);
-    settings.set_omit_expression(true);
-    if !intent.is_empty() {
-        settings.set_description(intent);
-    }
-    let assert = || settings.bind(|| insta::assert_snapshot!(case, text));
-    catch_unwind(AssertUnwindSafe(assert)).map_err(|_| {
-        "the snapshot differs; RTSCRIPT_ACCEPT=1 cargo test --test scenes accepts the new one".to_owned()
-    })
-}
-
-/// Writes expected | difference | actual, or the actual picture alone where none is expected yet.
-fn show_difference(scene: &Path, expected: Option<&Image>, actual: &Image) -> Result<String, Failed> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/scene-diffs");
-    fs::create_dir_all(&folder)?;
-    let path = folder.join(name_of(scene).replace('/', "-") + ".png");
-    let (picture, what) = match expected {
-        Some(expected) => {
-            let c = compare(expected, actual);
-            let numbers = format!(
-                "{} of {} pixels differ, by {} at most, PSNR {:.1} dB",
-                c.differing, c.pixels, c.max, c.psnr
-            );
-            (
-                diff_picture(expected, actual),
-                format!("{numbers}\nexpected | difference | actual"),
-            )
-        }
-        None => (actual.clone(), "the picture".to_owned()),
-    };
-    output::save(&path, &picture).map_err(|e| Failed::from(e.message))?;
-    Ok(format!("{what}: {}", path.display()))
-}
-
-/// What the scene is for: the comment on its first line.
-fn intent(scene: &Path) -> Result<String, Failed> {
     let text = fs::read_to_string(scene)?;
-    let first = text.lines().next().unwrap_or_default();
-    let comment = first.strip_prefix("//").or_else(|| first.strip_prefix('#'));
-    match comment.map(str::trim) {
-        Some(intent) if !intent.is_empty() => Ok(intent.to_owned()),
-        _ => Err("the first line must be a comment that says what the scene shows".into()),
-    }
-}
-
-/// The error as a person would read it, with the line it points at.
-fn error_text(error: &Error) -> String {
-    let mut lines = Vec::new();
-    for diagnostic in error.warnings.iter().chain([&*error.diagnostic]) {
-        lines.push(diagnostic.to_string());
-        let excerpt = diagnostic.source_line.as_ref();
-        lines.extend(excerpt.map(|line| format!("  line: {}", line.trim())));
-    }
-    lines.push(format!("kind: {:?}", error.kind()));
-    lines.join("\n")
+    let intent = intent(&text).ok_or("the first line must be a comment that says what the scene shows")?;
+    let taken = rendered.take(&root()).map_err(|e| e.to_string())?;
+    Ok(taken.with_description(intent))
 }
 
 /// A snapshot or two scenes of one name would never be looked at.

@@ -1,14 +1,13 @@
 //! Scene files, found and rendered as a test renders them.
 
 use std::{
-    fmt::Write as _,
     fs,
     io::{self, Read},
     path::{Path, PathBuf},
     sync::{Mutex, MutexGuard, PoisonError},
 };
 
-use super::snapshot::{SHOWN, picture_text};
+use super::taken::Taken;
 use crate::{
     diag::{Diagnostic, Error, ErrorKind},
     host::{DirHost, Host, HostError},
@@ -59,26 +58,33 @@ pub struct RenderedFile {
 }
 
 impl RenderedFile {
-    /// [`snapshot_text`] of the last picture, and where there are any: the pictures before it, warnings, what was
+    /// [`snapshot_text`](super::snapshot_text) of the last picture, and where there are any: the pictures before it, warnings, what was
     /// printed.
     #[must_use]
     pub fn snapshot(&self) -> String {
-        let mut text = picture_text(&self.image);
-        for picture in &self.earlier {
-            let (name, image) = (picture.name.as_deref().unwrap_or("unnamed"), &picture.image);
-            let size = format!("{} x {}", image.width(), image.height());
-            let _ = writeln!(text, "before it {name:?} {size} hash {}", image.hash());
-        }
-        for warning in &self.warnings {
-            let _ = writeln!(text, "{warning}");
-        }
-        for line in self.printed.lines() {
-            let _ = writeln!(text, "printed {line:?}");
-        }
-        text.push('\n');
-        text.push_str(&self.scene.dump_short(SHOWN));
-        text
+        self.taken().text()
     }
+
+    /// What a snapshot of it keeps.
+    pub(super) fn taken(&self) -> Taken {
+        let mut taken = Taken::picture(self.image.clone()).with_scene(&self.scene);
+        for picture in &self.earlier {
+            taken = taken.with_earlier(picture);
+        }
+        taken = taken.with_warnings(&self.warnings);
+        for line in self.printed.lines() {
+            taken = taken.with_note(format_args!("printed {line:?}"));
+        }
+        taken
+    }
+}
+
+/// What a scene is for: the comment on the first line of its text, if there is one.
+#[must_use]
+pub fn intent(text: &str) -> Option<&str> {
+    let first = text.lines().next()?;
+    let comment = first.strip_prefix("//").or_else(|| first.strip_prefix('#'))?;
+    Some(comment.trim()).filter(|intent| !intent.is_empty())
 }
 
 /// Renders a scene file under the default [`Limits`], its assets read below its own folder. Pictures that the

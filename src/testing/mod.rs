@@ -14,19 +14,28 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#[cfg(feature = "insta")]
+pub mod assert;
 mod blame;
 mod compare;
 mod files;
 mod flip;
 mod record;
 mod snapshot;
+mod taken;
+mod tolerance;
 
+#[cfg(feature = "insta")]
+#[doc(inline)]
+pub use assert::{assert_render_snapshot, glob_render_snapshots};
 pub use blame::{LineShare, changed_lines};
 pub use compare::{Comparison, Region, changed_pixels, compare, diff_picture, from_rgb8, load_picture};
-pub use files::{RenderedFile, find_scenes, render_file, render_text};
+pub use files::{RenderedFile, find_scenes, intent, render_file, render_text};
 pub use flip::{FlipMap, flip};
 pub use record::Snapshot;
 pub use snapshot::{Look, snapshot_text};
+pub use taken::{Snapshotted, Taken};
+pub use tolerance::Tolerance;
 
 #[cfg(feature = "cli")]
 pub(crate) use files::{name_alone, read_scene};
