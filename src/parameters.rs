@@ -2,8 +2,6 @@
 
 use std::{fmt, str::FromStr};
 
-use crate::script::RunOptions;
-
 /// What is decided outside a script. Where it is `None`, the script decides.
 ///
 /// As text `size=320x200 samples=4 seed=7`, in this order, without what is `None`; `none` where all is.
@@ -16,13 +14,6 @@ pub struct Parameters {
     pub samples: Option<u32>,
     /// Seed.
     pub seed: Option<u64>,
-}
-
-impl Parameters {
-    /// Puts them into the options of a run.
-    pub fn apply(&self, options: &mut RunOptions) {
-        (options.size, options.samples, options.seed) = (self.size, self.samples, self.seed);
-    }
 }
 
 impl fmt::Display for Parameters {

@@ -231,8 +231,7 @@ impl Job {
 }
 
 fn run_options(args: &RenderArgs) -> RunOptions {
-    let mut options = RunOptions::default();
-    args.overrides.parameters().apply(&mut options);
+    let mut options = RunOptions::from(&args.overrides.parameters());
     options.render.threads = args.threads.map_or(0, usize::from);
     options
 }

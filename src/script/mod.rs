@@ -34,6 +34,7 @@ use crate::{
     diag::{Diagnostic, Error, ErrorKind, Report},
     host::Host,
     limits::Limits,
+    parameters::Parameters,
     render::{Image, RenderOptions, RenderStats},
     scene::Scene,
 };
@@ -64,6 +65,17 @@ pub struct RunOptions {
     pub seed: Option<u64>,
     /// How `render()` renders.
     pub render: RenderOptions,
+}
+
+impl From<&Parameters> for RunOptions {
+    fn from(parameters: &Parameters) -> Self {
+        Self {
+            size: parameters.size,
+            samples: parameters.samples,
+            seed: parameters.seed,
+            ..Self::default()
+        }
+    }
 }
 
 /// What a script leaves behind.

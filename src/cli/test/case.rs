@@ -111,8 +111,7 @@ impl Test<'_> {
     }
 
     fn options(&self, parameters: &Parameters) -> RunOptions {
-        let mut options = RunOptions::default();
-        parameters.apply(&mut options);
+        let mut options = RunOptions::from(parameters);
         options.render.threads = self.settings.threads;
         options
     }

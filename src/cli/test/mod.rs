@@ -193,12 +193,11 @@ fn write_difference(folder: &Path, case: &Case) -> Result<(), Error> {
 }
 
 fn write_reports(args: &TestArgs, cases: &[Case], totals: &Totals) -> Result<(), Error> {
-    let reports: [(_, fn(&[Case], &Totals) -> String); 3] = [
-        (&args.html, html::html),
-        (&args.junit, junit::junit),
-        (&args.json, json::json),
-    ];
-    for (path, report) in reports {
+    type Report = fn(&[Case], &Totals) -> String;
+    let html: (_, Report) = (&args.html, html::html);
+    let junit: (_, Report) = (&args.junit, junit::junit);
+    let json: (_, Report) = (&args.json, json::json);
+    for (path, report) in [html, junit, json] {
         let Some(path) = path else { continue };
         let text = report(cases, totals);
         if is_stdout(path) {
