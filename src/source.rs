@@ -84,6 +84,15 @@ pub fn load(
 }
 
 fn load_course(name: &str, text: &str, limits: &Limits, options: &RunOptions) -> Result<Report<Run>, Error> {
+    if let Some(parameter) = options.parameters.keys().next() {
+        return Err(Diagnostic::error(
+            ErrorKind::Script,
+            format!("the scene has no parameter \"{parameter}\": the course's format has none"),
+        )
+        .at(name, 0, 0)
+        .hint("rtscript convert makes a script of it")
+        .into());
+    }
     let mut builder = Builder::with_limits(limits.clone());
     let mut build = || -> Result<(), Error> {
         import::load_course(name, text, &mut builder)?;
@@ -109,6 +118,7 @@ fn load_course(name: &str, text: &str, limits: &Limits, options: &RunOptions) ->
     let run = Run {
         scene,
         pictures: Vec::new(),
+        parameters: Vec::new(),
     };
     Ok(Report { value: run, warnings })
 }

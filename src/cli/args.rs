@@ -66,6 +66,8 @@ pub(super) enum Command {
     /// Compare scenes with their snapshots, or put them on record
     #[command(after_help = AFTER_TEST)]
     Test(TestArgs),
+    /// List the parameters that a script declares
+    Params(ParamsArgs),
     /// Print the hash of a scene's pixels and the hash of the scene, and nothing else
     Hash(HashArgs),
 }
@@ -112,12 +114,22 @@ pub(super) struct Overrides {
     /// Seed of every random choice, in place of the scene's
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(super) seed: Option<u64>,
+
+    /// Value of a parameter that the script declares by param(name, default); rtscript params lists them
+    #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = parse_define)]
+    pub(super) define: Vec<(String, String)>,
 }
 
 impl Overrides {
     pub(super) fn parameters(&self) -> Parameters {
         let mut parameters = Parameters::default();
-        (parameters.size, parameters.samples, parameters.seed) = (self.size, self.samples, self.seed);
+        for (name, value) in &self.define {
+            // What cannot be set was refused when it was parsed.
+            let _ = parameters.set(name, value);
+        }
+        parameters.size = self.size.or(parameters.size);
+        parameters.samples = self.samples.or(parameters.samples);
+        parameters.seed = self.seed.or(parameters.seed);
         parameters
     }
 }
@@ -204,7 +216,7 @@ impl TestArgs {
     pub(super) fn check(&self) -> Result<(), String> {
         if self.overrides.parameters() != Parameters::default() && !(self.accept || self.review) {
             return Err(
-                "--size, --samples and --seed are put on record with --accept or --review; a test renders as the \
+                "--size, --samples, --seed and -D are put on record with --accept or --review; a test renders as the \
                  record says"
                     .to_owned(),
             );
@@ -228,6 +240,21 @@ pub(super) enum TerminalPictures {
 }
 
 #[derive(Debug, Args)]
+pub(super) struct ParamsArgs {
+    /// The script, or - for standard input
+    #[arg(value_name = "FILE")]
+    pub(super) file: PathBuf,
+
+    /// As JSON: an array of objects with name, type, default, value, min, max, choices, doc, line
+    #[arg(long)]
+    pub(super) json: bool,
+
+    /// Value of a parameter: those of others may depend on it
+    #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = parse_define)]
+    pub(super) define: Vec<(String, String)>,
+}
+
+#[derive(Debug, Args)]
 pub(super) struct HashArgs {
     /// Scenes to hash. With one, the line is PIXELS SCENE; with several, the name follows
     #[arg(value_name = "FILE", required = true)]
@@ -243,6 +270,15 @@ pub(super) struct HashArgs {
     /// Threads to render with; the hash is the same for any number [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(super) threads: Option<u16>,
+}
+
+/// `radius=0.5` to name and value, both as they may be.
+fn parse_define(text: &str) -> Result<(String, String), String> {
+    let (name, value) = text
+        .split_once('=')
+        .ok_or("expected NAME=VALUE, such as radius=0.5")?;
+    Parameters::default().set(name, value)?;
+    Ok((name.to_owned(), value.to_owned()))
 }
 
 /// A share of 1.

@@ -10,6 +10,7 @@ mod hash;
 mod host;
 mod input;
 mod job;
+mod params;
 mod picture;
 mod progress;
 mod report;
@@ -56,6 +57,10 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
         }
         Some(Command::Hash(args)) => {
             let result = guard::guarded(|| hash::hash(&args, &signals));
+            finish(result, Reporter::new(false), &signals)
+        }
+        Some(Command::Params(args)) => {
+            let result = guard::guarded(|| params::params(&args, &signals));
             finish(result, Reporter::new(false), &signals)
         }
         Some(Command::Test(args)) => test(&args, &signals),

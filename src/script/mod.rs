@@ -23,6 +23,7 @@ pub use vocabulary::{CONSTANTS, Constant, PROPERTIES, Property};
 
 use std::{
     any::Any,
+    collections::BTreeMap,
     panic::{AssertUnwindSafe, catch_unwind},
     sync::Arc,
     thread,
@@ -34,7 +35,7 @@ use crate::{
     diag::{Diagnostic, Error, ErrorKind, Report},
     host::Host,
     limits::Limits,
-    parameters::Parameters,
+    parameters::{Declared, Parameters},
     render::{Image, RenderOptions, RenderStats},
     scene::Scene,
 };
@@ -63,6 +64,8 @@ pub struct RunOptions {
     pub samples: Option<u32>,
     /// Seed; `seed(n)` then does nothing.
     pub seed: Option<u64>,
+    /// Values of the parameters that the script declares by `param(name, default)`, as text: `"0.5"`, `"true"`.
+    pub parameters: BTreeMap<String, String>,
     /// How `render()` renders.
     pub render: RenderOptions,
 }
@@ -73,6 +76,7 @@ impl From<&Parameters> for RunOptions {
             size: parameters.size,
             samples: parameters.samples,
             seed: parameters.seed,
+            parameters: parameters.values.clone(),
             ..Self::default()
         }
     }
@@ -86,6 +90,8 @@ pub struct Run {
     pub scene: Scene,
     /// What its `render()` calls made, in order. Empty where it never calls it: render [`Run::scene`] then.
     pub pictures: Vec<Picture>,
+    /// The parameters that it declared, in order.
+    pub parameters: Vec<Declared>,
 }
 
 /// A picture that a script rendered.
@@ -197,6 +203,10 @@ impl Script {
         };
         let result = match (result, state.ended.take()) {
             (Ok(()), Some(e)) => Err(e.raise(Position::NONE)),
+            (Ok(()), None) => match api::params::unknown(&state) {
+                Some(e) => Err(e.raise(Position::NONE)),
+                None => Ok(()),
+            },
             (result, _) => result,
         };
         self.finish(*state, result)
@@ -208,6 +218,7 @@ impl Script {
             mut builder,
             mut warnings,
             pictures,
+            parameters,
             ..
         } = state;
         warnings.extend(builder.take_warnings());
@@ -241,6 +252,7 @@ impl Script {
                 value: Run {
                     scene: report.value,
                     pictures,
+                    parameters,
                 },
                 warnings,
             }),

@@ -20,6 +20,7 @@ use crate::{
     host::{Host, resolve},
     import::{AssetCache, Assets},
     limits::Limits,
+    parameters::Declared,
     scene::Builder,
 };
 
@@ -44,6 +45,10 @@ pub(crate) struct State {
     pub(crate) size: Option<(u32, u32)>,
     pub(crate) samples: Option<u32>,
     pub(crate) seed: Option<u64>,
+    /// Values that the caller gives to parameters of the script.
+    pub(crate) given: BTreeMap<String, String>,
+    /// Parameters that the script declared, in order.
+    pub(crate) parameters: Vec<Declared>,
     pub(crate) pictures: Vec<Picture>,
     pub(crate) warnings: Vec<Diagnostic>,
     /// Source files, the script first.
@@ -79,6 +84,8 @@ impl State {
             size: options.size,
             samples: options.samples,
             seed: options.seed,
+            given: options.parameters.clone(),
+            parameters: Vec::new(),
             pictures: Vec::new(),
             warnings: Vec::new(),
             sources: vec![main],

@@ -25,6 +25,8 @@ pub enum Group {
     Lights,
     /// Rendering.
     Output,
+    /// What the caller may decide.
+    Parameters,
     /// Vectors.
     Vectors,
     /// Numbers.
@@ -60,6 +62,8 @@ pub enum Kind {
     Image,
     /// A block of statements.
     Block,
+    /// A number, a string, true or false.
+    Any,
 }
 
 impl Kind {
@@ -85,6 +89,7 @@ impl Kind {
             Self::Map => "map",
             Self::Image => "image",
             Self::Block => "block",
+            Self::Any => "any",
         }
     }
 }

@@ -5,6 +5,7 @@
 mod course;
 mod files;
 mod flags;
+mod params;
 mod pictures;
 mod scripts;
 mod snapshots;

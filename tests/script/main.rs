@@ -13,5 +13,6 @@ mod limits;
 mod maths;
 mod mistakes;
 mod modules;
+mod params;
 mod runs;
 mod scenes;

@@ -92,10 +92,7 @@ impl Test<'_> {
     fn parameters(&self, expected: Option<&Snapshot>, text: &str) -> Result<Parameters, Error> {
         let mut parameters =
             expected.map_or_else(Parameters::default, |expected| expected.parameters.clone());
-        let over = &self.settings.overrides;
-        parameters.size = over.size.or(parameters.size);
-        parameters.samples = over.samples.or(parameters.samples);
-        parameters.seed = over.seed.or(parameters.seed);
+        parameters = self.settings.overrides.clone().or(&parameters);
         if expected.is_none() && parameters.size.is_none() {
             let (name, options) = (name_alone(self.scene), self.options(&parameters));
             let run = source::load(&name, text, &self.host(), &Limits::default(), &options)?;

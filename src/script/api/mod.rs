@@ -10,6 +10,7 @@ mod maths;
 mod noise;
 mod numbers;
 mod output;
+pub(super) mod params;
 mod random;
 mod shapes;
 mod strings;
@@ -23,7 +24,7 @@ use rhai::Module;
 use super::table::{Entry, Kind, Param};
 
 /// Every list, in the order of the reference.
-pub(super) const ALL: [&[Entry]; 11] = [
+pub(super) const ALL: [&[Entry]; 12] = [
     camera::ENTRIES,
     transform::ENTRIES,
     shapes::ENTRIES,
@@ -31,6 +32,7 @@ pub(super) const ALL: [&[Entry]; 11] = [
     assets::ENTRIES,
     lights::ENTRIES,
     output::ENTRIES,
+    params::ENTRIES,
     vector::ENTRIES,
     maths::ENTRIES,
     random::ENTRIES,
