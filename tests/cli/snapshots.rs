@@ -377,6 +377,12 @@ fn reports_for_machines_and_people() {
     );
     assert_eq!(xml.matches("<testcase ").count(), 3);
 
+    let html = read("r.html");
+    assert!(
+        html.contains("data:image/png;base64,") && !html.contains("<new>"),
+        "{} bytes",
+        html.len()
+    );
     assert_eq!(size_of(&folder.path("diffs/scene.rhai.png")), (128, 30));
 
     let ran = folder.run(&["test", "--json", "-"]);
