@@ -70,6 +70,9 @@ impl Scene {
             Encoding::Srgb => "srgb",
             Encoding::Raw => "raw",
         };
+        if let Some(edition) = s.edition {
+            out.push_str(&format!("edition {edition}\n"));
+        }
         let c = &self.camera;
         let lines = [
             format!("size {} {}", s.width, s.height),

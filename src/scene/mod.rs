@@ -7,6 +7,7 @@
 mod builder;
 mod camera;
 mod dump;
+mod edition;
 mod error;
 mod hash;
 mod light;
@@ -18,6 +19,7 @@ mod validate;
 
 pub use builder::{Builder, GroupMark};
 pub use camera::{Camera, CameraFrame};
+pub use edition::Edition;
 pub use error::SceneError;
 pub use light::{Attenuation, Light, LightKind};
 pub use material::{Material, Term};
@@ -130,7 +132,7 @@ pub struct Group {
 /// A complete picture description.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// Size, samples, depth, background, encoding, seed.
+    /// Edition, size, samples, depth, background, encoding, seed.
     pub settings: Settings,
     /// The camera.
     pub camera: Camera,

@@ -1,5 +1,6 @@
 //! What the whole picture has one of, besides the camera.
 
+use super::Edition;
 use crate::color::Color;
 
 /// How linear light becomes 8 bits.
@@ -15,6 +16,8 @@ pub enum Encoding {
 /// Settings of the picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
+    /// The edition that the scene asks for; `None` where it asks for none, and takes the newest.
+    pub edition: Option<Edition>,
     /// Pixels across, at least 1.
     pub width: u32,
     /// Pixels down, at least 1.
@@ -34,11 +37,18 @@ pub struct Settings {
 impl Settings {
     /// Largest [`Settings::max_depth`].
     pub const MAX_DEPTH: u32 = 64;
+
+    /// The edition by which the scene is built and rendered.
+    #[must_use]
+    pub fn edition(&self) -> Edition {
+        self.edition.unwrap_or(Edition::LATEST)
+    }
 }
 
 impl Default for Settings {
     fn default() -> Self {
         Self {
+            edition: None,
             width: 640,
             height: 480,
             samples: 1,

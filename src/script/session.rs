@@ -41,6 +41,8 @@ pub(crate) struct State {
     pub(crate) limits: Limits,
     pub(crate) host: Remote,
     pub(crate) random: Stream,
+    /// Where the first call of a scene function stands: the edition may only be chosen there.
+    pub(crate) first: Option<SourceLoc>,
     /// Settings the caller has decided; the script's own calls do not change them.
     pub(crate) size: Option<(u32, u32)>,
     pub(crate) samples: Option<u32>,
@@ -81,6 +83,7 @@ impl State {
             limits: limits.clone(),
             host,
             random: Stream::new(options.seed.unwrap_or(0)),
+            first: None,
             size: options.size,
             samples: options.samples,
             seed: options.seed,
@@ -99,6 +102,13 @@ impl State {
             ended: None,
             rendering: Duration::ZERO,
         }
+    }
+
+    /// Notes a call of a scene function and where it stands.
+    #[inline]
+    pub(super) fn called(&mut self, source: Option<&ImmutableString>, pos: Position) {
+        self.at(source, pos);
+        self.first.get_or_insert(self.builder.loc());
     }
 
     /// Notes where the script calls from.

@@ -8,6 +8,7 @@
 )]
 
 mod assets;
+mod editions;
 mod host;
 mod limits;
 mod maths;

@@ -3,7 +3,8 @@
 use super::{Builder, SceneError, finite};
 use crate::{
     color::Color,
-    scene::{Camera, Encoding, Settings},
+    math::DAffine3,
+    scene::{Attenuation, Camera, Edition, Encoding, Material, Settings},
 };
 
 impl Builder {
@@ -11,6 +12,51 @@ impl Builder {
     #[must_use]
     pub fn settings(&self) -> &Settings {
         &self.scene.settings
+    }
+
+    /// The edition by which the scene is built and rendered, before anything is made. Without this it is the newest,
+    /// [`Edition::LATEST`].
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3, scene::Edition};
+    /// let mut b = Builder::new();
+    /// b.edition(Edition::E2026)?;
+    /// b.sphere(DVec3::ZERO, 1.0)?;
+    /// assert!(b.finish().value.dump().starts_with("edition 2026\n"));
+    /// # Ok::<(), rtscript::SceneError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where a shape, a light, a group, a matrix or a material is there already, or another edition.
+    pub fn edition(&mut self, edition: Edition) -> Result<(), SceneError> {
+        if let Some(first) = self.scene.settings.edition {
+            return first.agree(edition);
+        }
+        if let Some(made) = self.first_made() {
+            return Err(SceneError::new(format!(
+                "the edition must come first, but there is {made} already"
+            ))
+            .hint(format!("call edition({edition}) before anything is made")));
+        }
+        self.scene.settings.edition = Some(edition);
+        Ok(())
+    }
+
+    /// Something that an edition says how to make, where there is any.
+    fn first_made(&self) -> Option<&'static str> {
+        let made = [
+            (!self.group.objects.is_empty(), "a shape"),
+            (!self.group.lights.is_empty(), "a light"),
+            (self.scene.groups.len() > 1, "a group"),
+            (!self.stack.is_empty(), "a matrix"),
+            (*self.ctm.matrix() != DAffine3::IDENTITY, "a matrix"),
+            (self.material != Material::default(), "a material"),
+            (self.attenuation != Attenuation::default(), "an attenuation"),
+            (!self.scene.textures.is_empty(), "a texture"),
+            (!self.scene.meshes.is_empty(), "a mesh"),
+        ];
+        made.into_iter()
+            .find_map(|(is_there, what)| is_there.then_some(what))
     }
 
     /// Picture size in pixels.
@@ -93,5 +139,52 @@ impl Builder {
     /// The camera; the last call counts.
     pub fn camera(&mut self, camera: Camera) {
         self.scene.camera = camera;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::DVec3;
+
+    #[test]
+    fn an_edition_comes_before_what_is_made() {
+        type Call = fn(&mut Builder) -> Result<(), SceneError>;
+        let calls: [(Call, &str); 5] = [
+            (|b| b.sphere(DVec3::ZERO, 1.0), "a shape"),
+            (|b| b.directional(DVec3::ONE, DVec3::ONE), "a light"),
+            (|b| b.translate(DVec3::ONE), "a matrix"),
+            (|b| b.push_transform(), "a matrix"),
+            (
+                |b| {
+                    b.material_mut().ior = 1.3;
+                    Ok(())
+                },
+                "a material",
+            ),
+        ];
+        for (call, what) in calls {
+            let mut b = Builder::new();
+            call(&mut b).unwrap();
+            let e = b.edition(Edition::E2026).unwrap_err();
+            let message = format!("the edition must come first, but there is {what} already");
+            assert_eq!(e.message, message);
+            assert_eq!(b.settings().edition, None);
+            let mut b = Builder::new();
+            b.edition(Edition::E2026).unwrap();
+            call(&mut b).unwrap();
+            b.edition(Edition::E2026).unwrap();
+        }
+    }
+
+    #[test]
+    fn size_and_camera_may_come_before_it() {
+        let mut b = Builder::new();
+        b.size(64, 48).unwrap();
+        b.camera(Camera::default());
+        b.seed(7);
+        assert_eq!(b.settings().edition(), Edition::LATEST);
+        b.edition(Edition::E2026).unwrap();
+        assert_eq!(b.settings().edition, Some(Edition::E2026));
     }
 }

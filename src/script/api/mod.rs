@@ -3,6 +3,7 @@
 mod arrays;
 mod assets;
 mod camera;
+mod edition;
 mod functions;
 mod lights;
 mod materials;
@@ -24,7 +25,8 @@ use rhai::Module;
 use super::table::{Entry, Kind, Param};
 
 /// Every list, in the order of the reference.
-pub(super) const ALL: [&[Entry]; 12] = [
+pub(super) const ALL: [&[Entry]; 13] = [
+    edition::ENTRIES,
     camera::ENTRIES,
     transform::ENTRIES,
     shapes::ENTRIES,
