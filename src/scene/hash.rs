@@ -102,7 +102,10 @@ impl Digest {
             background,
             encoding,
             seed,
+            edition: _,
         } = settings;
+        // The newest is what a scene has that asks for none.
+        self.int(u64::from(settings.edition().year()));
         self.ints([*width, *height, *samples, *max_depth]);
         self.vector(*background);
         self.int(match encoding {

@@ -19,6 +19,7 @@ const HEAD: &str = "rtscript snapshot 1";
 /// ```text
 /// rtscript snapshot 1
 /// version 0.1.0
+/// edition 2026
 /// parameters size=320x200
 /// size 320 x 200
 /// samples 4
@@ -37,6 +38,8 @@ const HEAD: &str = "rtscript snapshot 1";
 pub struct Snapshot {
     /// Version of the rtscript that took it.
     pub version: String,
+    /// Year of the [edition](crate::scene::Edition) by which the scene was rendered.
+    pub edition: u32,
     /// What was decided outside the script; a test decides the same.
     pub parameters: Parameters,
     /// Pixels across.
@@ -72,6 +75,7 @@ impl Snapshot {
         });
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
+            edition: rendered.scene.settings.edition().year(),
             parameters: parameters.clone(),
             width: image.width(),
             height: image.height(),
@@ -144,6 +148,7 @@ impl Snapshot {
         };
         match key {
             "version" => self.version = value.to_owned(),
+            "edition" => self.edition = value.parse().ok()?,
             "parameters" => self.parameters = value.parse().ok()?,
             "size" => (self.width, self.height) = size(value)?,
             "samples" => self.samples = value.parse().ok()?,
@@ -182,6 +187,7 @@ impl fmt::Display for Snapshot {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {
             version,
+            edition,
             parameters,
             width,
             height,
@@ -194,7 +200,7 @@ impl fmt::Display for Snapshot {
             warnings,
             printed,
         } = self;
-        writeln!(f, "{HEAD}\nversion {version}\nparameters {parameters}")?;
+        writeln!(f, "{HEAD}\nversion {version}\nedition {edition}\nparameters {parameters}")?;
         writeln!(
             f,
             "size {width} x {height}\nsamples {samples}\nhash {hash}\nscene {scene}"
@@ -252,6 +258,7 @@ mod tests {
     fn snapshot() -> Snapshot {
         Snapshot {
             version: "0.1.0".to_owned(),
+            edition: 2026,
             parameters: "size=32x20".parse().unwrap(),
             width: 32,
             height: 20,
@@ -285,11 +292,11 @@ mod tests {
         let text = snapshot().to_string();
         for (from, to, line) in [
             ("rtscript snapshot 1", "rtscript snapshot 2", 1),
-            ("size 32 x 20", "size 32x20", 4),
-            ("  00 01", "  00 0g", 10),
+            ("size 32 x 20", "size 32x20", 5),
+            ("  00 01", "  00 0g", 11),
             ("hash 0123\n", "", 1),
-            ("printed \"\"", "printed", 22),
-            ("samples", "smples", 5),
+            ("printed \"\"", "printed", 23),
+            ("samples", "smples", 6),
         ] {
             let found = Snapshot::parse(&text.replacen(from, to, 1)).unwrap_err();
             assert_eq!(found.0, line, "{from} -> {to}: {}", found.1);
