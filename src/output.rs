@@ -121,6 +121,18 @@ pub fn save(path: &Path, image: &Image) -> Result<(), HostError> {
     write_atomically(path, &bytes)
 }
 
+/// As [`save`], with the recipe in the file where its format has a place for it: PNG.
+///
+/// # Errors
+/// As [`save`].
+pub fn save_with(path: &Path, image: &Image, recipe: &Recipe) -> Result<(), HostError> {
+    if Format::from_path(path)? != Format::Png {
+        return save(path, image);
+    }
+    let bytes = encode_png_with(image, recipe).map_err(|e| refused(path, reason(&e)))?;
+    write_atomically(path, &bytes)
+}
+
 /// Writes a file so that `path` holds either all of `bytes` or what it held before, whatever happens in between:
 /// into a temporary file beside it, to the disk, then renamed. A link at `path` is replaced, not followed.
 ///

@@ -40,6 +40,30 @@ pub struct Recipe {
 }
 
 impl Recipe {
+    /// What a picture of the scene file `name` is made from: its text, and what was decided outside it.
+    #[must_use]
+    pub fn new(name: &str, text: &str, parameters: &Parameters) -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            hash: String::new(),
+            parameters: parameters.clone(),
+            files: vec![(name.to_owned(), text.to_owned())],
+        }
+    }
+
+    /// Adds a script that was read, unless it is there.
+    pub fn add(&mut self, name: &str, text: &str) {
+        if self.files.iter().all(|(known, _)| known != name) {
+            self.files.push((name.to_owned(), text.to_owned()));
+        }
+    }
+
+    /// The recipe of the picture with this hash.
+    #[must_use]
+    pub fn of_picture(&self, hash: String) -> Self {
+        Self { hash, ..self.clone() }
+    }
+
     /// As text, which [`Recipe::parse`] reads.
     #[must_use]
     pub fn to_text(&self) -> String {

@@ -68,6 +68,10 @@ pub(super) enum Command {
     Test(TestArgs),
     /// List the parameters that a script declares
     Params(ParamsArgs),
+    /// Render again what a PNG was made from, which rtscript writes into it
+    Rerun(RerunArgs),
+    /// Check that PNGs are what the scripts they carry give
+    Verify(VerifyArgs),
     /// Print the hash of a scene's pixels and the hash of the scene, and nothing else
     Hash(HashArgs),
 }
@@ -90,6 +94,10 @@ pub(super) struct RenderArgs {
     /// Threads to render with; the picture is the same for any number [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(super) threads: Option<u16>,
+
+    /// Leave out of a PNG what it was made from: script, modules, parameters, version, hash
+    #[arg(long)]
+    pub(super) no_recipe: bool,
 
     /// Only errors: no progress, no warnings, no line for each picture
     #[arg(short, long)]
@@ -252,6 +260,47 @@ pub(super) struct ParamsArgs {
     /// Value of a parameter: those of others may depend on it
     #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = parse_define)]
     pub(super) define: Vec<(String, String)>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct RerunArgs {
+    /// A PNG that rtscript wrote
+    #[arg(value_name = "FILE")]
+    pub(super) file: PathBuf,
+
+    /// Where the new picture goes [default: the old one's name with -rerun.png, in the current folder]
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+
+    /// Print the recipe, scripts and all, instead of rendering it
+    #[arg(long)]
+    pub(super) print: bool,
+
+    /// Where pictures and models are that the script reads [default: the PNG's folder]
+    #[arg(long, value_name = "FOLDER")]
+    pub(super) assets: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(super) overrides: Overrides,
+
+    /// Threads to render with; the picture is the same for any number [default: one for each processor]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(super) threads: Option<u16>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct VerifyArgs {
+    /// PNGs that rtscript wrote
+    #[arg(value_name = "FILE", required = true)]
+    pub(super) files: Vec<PathBuf>,
+
+    /// Where pictures and models are that the scripts read [default: each PNG's folder]
+    #[arg(long, value_name = "FOLDER")]
+    pub(super) assets: Option<PathBuf>,
+
+    /// Threads to render with; the answer is the same for any number [default: one for each processor]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(super) threads: Option<u16>,
 }
 
 #[derive(Debug, Args)]

@@ -9,11 +9,12 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::{progress::ProgressLine, signals::Signals};
+use super::{input::Input, progress::ProgressLine, signals::Signals};
 use crate::{
     diag::ErrorKind,
     host::{DirHost, Host, HostError},
     output,
+    recipe::Recipe,
     render::{Image, Progress},
 };
 
@@ -35,24 +36,27 @@ struct Seen {
     inputs: Vec<PathBuf>,
     reading: Duration,
     writing: Duration,
+    /// What the picture is made from so far; `None` where it shall not carry it.
+    recipe: Option<Recipe>,
 }
 
 impl CliHost {
-    /// A host for the scene `script`, whose assets are read below `root`.
+    /// A host for a scene, whose pictures carry the recipe if there is one.
     pub(super) fn new(
-        root: &Path,
-        script: Option<&Path>,
+        scene: &Input,
         signals: Arc<Signals>,
         progress: ProgressLine,
         stdout_is_taken: bool,
+        recipe: Option<Recipe>,
     ) -> Self {
         Self {
-            assets: DirHost::new(root),
+            assets: DirHost::new(scene.folder()),
             signals,
             progress,
             stdout_is_taken,
             seen: Mutex::new(Seen {
-                inputs: script.map(Path::to_owned).into_iter().collect(),
+                inputs: scene.path().map(Path::to_owned).into_iter().collect(),
+                recipe,
                 ..Seen::default()
             }),
         }
@@ -67,6 +71,12 @@ impl CliHost {
     pub(super) fn times(&self) -> (Duration, Duration) {
         let seen = self.seen();
         (seen.reading, seen.writing)
+    }
+
+    /// What a picture is to carry.
+    pub(super) fn recipe_of(&self, image: &Image) -> Option<Recipe> {
+        let recipe = self.seen().recipe.clone()?;
+        Some(recipe.of_picture(image.hash()))
     }
 
     /// Takes the progress line off the terminal.
@@ -85,8 +95,13 @@ impl Host for CliHost {
         let bytes = self.assets.read(path, max_bytes);
         let mut seen = self.seen();
         seen.reading += start.elapsed();
-        if bytes.is_ok() {
+        if let Ok(bytes) = &bytes {
             seen.inputs.push(self.assets.root().join(path));
+            if let (Some(recipe), true, Ok(text)) =
+                (&mut seen.recipe, path.ends_with(".rhai"), str::from_utf8(bytes))
+            {
+                recipe.add(path, text);
+            }
         }
         bytes
     }
@@ -114,7 +129,10 @@ impl Host for CliHost {
         let start = Instant::now();
         let path = below_current_folder(name)?;
         output::check_target(&path, &self.inputs())?;
-        output::save(&path, image)?;
+        match self.recipe_of(image) {
+            Some(recipe) => output::save_with(&path, image, &recipe)?,
+            None => output::save(&path, image)?,
+        }
         self.seen().writing += start.elapsed();
         Ok(())
     }
@@ -149,6 +167,29 @@ impl Host for SilentHost {
 
     fn write_image(&self, _name: &str, _image: &Image) -> Result<(), HostError> {
         Ok(())
+    }
+}
+
+/// Scripts from a recipe, everything else from another host.
+pub(super) struct RecipeHost<'a> {
+    pub(super) recipe: &'a Recipe,
+    pub(super) others: SilentHost,
+}
+
+impl Host for RecipeHost<'_> {
+    fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, HostError> {
+        match self.recipe.files.iter().find(|(name, _)| name == path) {
+            Some((_, text)) => Ok(text.clone().into_bytes()),
+            None => self.others.read(path, max_bytes),
+        }
+    }
+
+    fn should_stop(&self) -> bool {
+        self.others.should_stop()
+    }
+
+    fn write_image(&self, name: &str, image: &Image) -> Result<(), HostError> {
+        self.others.write_image(name, image)
     }
 }
 

@@ -49,6 +49,14 @@ impl Input {
         &self.name
     }
 
+    /// Its name without folders, as a recipe calls it: `stdin.rhai` for standard input.
+    pub(super) fn short_name(&self) -> String {
+        let name = self.path.as_deref().and_then(Path::file_name);
+        name.map_or("stdin.rhai".to_owned(), |name| {
+            name.to_string_lossy().into_owned()
+        })
+    }
+
     /// The folder its assets are read below.
     pub(super) fn folder(&self) -> &Path {
         self.path

@@ -22,6 +22,7 @@ use crate::{
     host::HostError,
     limits::Limits,
     output::{self, Format},
+    recipe::Recipe,
     render::{Image, render},
     script::{Picture, RunOptions},
     source,
@@ -59,13 +60,16 @@ impl Target {
         }
     }
 
-    fn write(&self, image: &Image) -> Result<(), HostError> {
-        match self.path() {
-            Some(path) => output::save(path, image),
-            None => {
-                let bytes = output::encode(image, Format::Png)
-                    .map_err(|e| HostError::new(ErrorKind::Output, output::reason(&e)))?;
-                write_stdout(&bytes)
+    fn write(&self, image: &Image, recipe: Option<&Recipe>) -> Result<(), HostError> {
+        match (self.path(), recipe) {
+            (Some(path), Some(recipe)) => output::save_with(path, image, recipe),
+            (Some(path), None) => output::save(path, image),
+            (None, _) => {
+                let bytes = match recipe {
+                    Some(recipe) => output::encode_png_with(image, recipe),
+                    None => output::encode(image, Format::Png),
+                };
+                write_stdout(&bytes.map_err(|e| HostError::new(ErrorKind::Output, output::reason(&e)))?)
             }
         }
     }
@@ -114,14 +118,17 @@ impl Job {
             ..Stages::default()
         };
 
+        let parameters = args.overrides.parameters();
+        let recipe = (!args.no_recipe).then(|| Recipe::new(&self.input.short_name(), &text, &parameters));
         let host = CliHost::new(
-            self.input.folder(),
-            self.input.path(),
+            &self.input,
             Arc::clone(signals),
             ProgressLine::new(!args.quiet),
             matches!(self.target, Target::Stdout),
+            recipe,
         );
-        let options = run_options(args);
+        let mut options = RunOptions::from(&parameters);
+        options.render.threads = args.threads.map_or(0, usize::from);
         let running = Instant::now();
         let run = source::load(self.input.name(), &text, &host, &limits, &options)
             .map_err(|e| self.stopped(e, signals))?;
@@ -155,7 +162,10 @@ impl Job {
         let saving = Instant::now();
         if let Some(picture) = last {
             self.target.check(&host.inputs()).map_err(without_place)?;
-            self.target.write(&picture.image).map_err(without_place)?;
+            let recipe = host.recipe_of(&picture.image);
+            self.target
+                .write(&picture.image, recipe.as_ref())
+                .map_err(without_place)?;
         }
         stages.write = writing + saving.elapsed();
         stages.total = start.elapsed();
@@ -228,10 +238,4 @@ impl Job {
             warnings: error.warnings,
         }
     }
-}
-
-fn run_options(args: &RenderArgs) -> RunOptions {
-    let mut options = RunOptions::from(&args.overrides.parameters());
-    options.render.threads = args.threads.map_or(0, usize::from);
-    options
 }

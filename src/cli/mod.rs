@@ -14,6 +14,7 @@ mod params;
 mod picture;
 mod progress;
 mod report;
+mod rerun;
 mod signals;
 mod stats;
 mod test;
@@ -62,6 +63,16 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
         Some(Command::Params(args)) => {
             let result = guard::guarded(|| params::params(&args, &signals));
             finish(result, Reporter::new(false), &signals)
+        }
+        Some(Command::Rerun(args)) => {
+            let reporter = Reporter::new(false);
+            let result = guard::guarded(|| rerun::rerun(&args, &signals, reporter));
+            finish(result, reporter, &signals)
+        }
+        Some(Command::Verify(args)) => {
+            let reporter = Reporter::new(false);
+            let result = guard::guarded(|| rerun::verify(&args, &signals, reporter));
+            finish(result, reporter, &signals)
         }
         Some(Command::Test(args)) => test(&args, &signals),
         Some(Command::Render(args)) => render(&args, &signals),

@@ -200,7 +200,10 @@ impl fmt::Display for Snapshot {
             warnings,
             printed,
         } = self;
-        writeln!(f, "{HEAD}\nversion {version}\nedition {edition}\nparameters {parameters}")?;
+        writeln!(
+            f,
+            "{HEAD}\nversion {version}\nedition {edition}\nparameters {parameters}"
+        )?;
         writeln!(
             f,
             "size {width} x {height}\nsamples {samples}\nhash {hash}\nscene {scene}"

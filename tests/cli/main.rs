@@ -7,6 +7,7 @@ mod files;
 mod flags;
 mod params;
 mod pictures;
+mod recipes;
 mod scripts;
 mod snapshots;
 #[cfg(unix)]

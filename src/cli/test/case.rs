@@ -8,9 +8,14 @@ use super::{
     outcome::{Case, Change, Fresh, Outcome, Reference},
 };
 use crate::{
-    cli::{guard, host::SilentHost, input::Input, signals::Signals, without_place},
+    cli::{
+        guard,
+        host::{RecipeHost, SilentHost},
+        input::Input,
+        signals::Signals,
+        without_place,
+    },
     diag::{Diagnostic, Error, ErrorKind},
-    host::{Host, HostError},
     limits::Limits,
     output,
     parameters::Parameters,
@@ -164,12 +169,12 @@ impl Test<'_> {
     /// The scene as its scripts were when the snapshot was taken. Its pictures and models are those of now.
     fn before(&self, recipe: &Recipe, now: &RenderedFile, expected: &Snapshot) -> Option<RenderedFile> {
         let (_, text) = recipe.files.first()?;
-        if recipe.hash != expected.hash || recipe.files == distinct(&now.sources) {
+        if recipe.hash != expected.hash || recipe.files == self::recipe(expected, now).files {
             return None;
         }
-        let host = Earlier {
-            scripts: &recipe.files,
-            now: self.host(),
+        let host = RecipeHost {
+            recipe,
+            others: self.host(),
         };
         let options = self.options(&expected.parameters);
         render_text(&name_alone(self.scene), text, &host, &options).ok()
@@ -206,42 +211,14 @@ fn read_snapshot(scene: &Path) -> Result<Option<Snapshot>, Error> {
 
 /// What the reference picture is to carry.
 fn recipe(snapshot: &Snapshot, rendered: &RenderedFile) -> Recipe {
-    Recipe {
-        version: snapshot.version.clone(),
-        hash: snapshot.hash.clone(),
-        parameters: snapshot.parameters.clone(),
-        files: distinct(&rendered.sources),
+    let mut recipe = Recipe {
+        files: Vec::new(),
+        ..Recipe::new("", "", &snapshot.parameters)
+    };
+    for (name, text) in &rendered.sources {
+        recipe.add(name, text);
     }
-}
-
-/// Each script once, in the order of their first reading.
-fn distinct(sources: &[(String, String)]) -> Vec<(String, String)> {
-    let mut files: Vec<(String, String)> = Vec::new();
-    for (name, text) in sources {
-        if files.iter().all(|(known, _)| known != name) {
-            files.push((name.clone(), text.clone()));
-        }
-    }
-    files
-}
-
-/// Scripts of then, everything else of now.
-struct Earlier<'a> {
-    scripts: &'a [(String, String)],
-    now: SilentHost,
-}
-
-impl Host for Earlier<'_> {
-    fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, HostError> {
-        match self.scripts.iter().find(|(name, _)| name == path) {
-            Some((_, text)) => Ok(text.clone().into_bytes()),
-            None => self.now.read(path, max_bytes),
-        }
-    }
-
-    fn should_stop(&self) -> bool {
-        self.now.should_stop()
-    }
+    recipe.of_picture(snapshot.hash.clone())
 }
 
 /// Puts a scene on record as it is now.
