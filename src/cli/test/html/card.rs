@@ -316,11 +316,7 @@ fn lines(lines: &[LineShare]) -> String {
         format!(
             "<tr><td class=\"place\">{}</td><td class=\"bars\">{}{}</td><td class=\"number\">{}</td>\
              <td class=\"number\">{}</td><td class=\"code\">{}</td></tr>\n",
-            if line.file.is_empty() {
-                "background".to_owned()
-            } else {
-                place(&line.file, line.line, line.column)
-            },
+            place(&line.file, line.line, line.column),
             bar("now", line.now, most),
             bar("before", line.before, most),
             count(line.now),

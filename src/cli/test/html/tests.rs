@@ -4,7 +4,6 @@ use super::*;
 use crate::{
     cli::test::outcome::{Change, Fresh, Reference, SourceChange},
     diag::{Diagnostic, ErrorKind},
-    recipe::Recipe,
     render::Image,
     testing::{LineShare, Region, Snapshot, compare, flip, from_rgb8},
 };
@@ -54,7 +53,7 @@ fn change(expected: &Image, actual: &Image) -> Box<Change> {
         expected: snapshot(expected),
         actual: snapshot(actual),
         actual_image: actual.clone(),
-        recipe: Recipe::default(),
+        recipe: Default::default(),
         reference: Some(Reference {
             image: expected.clone(),
             comparison: compare(expected, actual),
@@ -171,7 +170,7 @@ fn a_new_scene_shows_its_picture_and_its_snapshot() {
     let fresh = Fresh {
         snapshot: snapshot(&spot()),
         image: spot(),
-        recipe: Recipe::default(),
+        recipe: Default::default(),
     };
     let hash = spot().hash();
     let card = card_of(Outcome::New(Box::new(fresh)));
@@ -259,7 +258,7 @@ fn hostile() -> Vec<Case> {
     let mut fresh = Fresh {
         snapshot: snapshot(&spot()),
         image: spot(),
-        recipe: Recipe::default(),
+        recipe: Default::default(),
     };
     fresh.snapshot.printed = vec![text()];
     fresh.snapshot.hash = text();
@@ -338,6 +337,24 @@ fn a_page_is_little_more_than_its_pictures() {
     assert!(per_case < 120, "{per_case}");
     let changed = page(&[case("a", Outcome::Changed(change(&gray(16, 12, 100), &spot())))]).len() - none;
     assert!(changed < 10_000, "{changed}");
+}
+
+#[test]
+fn every_key_of_the_list_does_something() {
+    let table = SCRIPT
+        .split_once("const keys = {")
+        .unwrap()
+        .1
+        .split_once("};")
+        .unwrap()
+        .0;
+    let known: Vec<&str> = table
+        .lines()
+        .filter_map(|line| Some(line.trim().split_once(": () =>")?.0.trim_matches('"')))
+        .collect();
+    let mut listed: Vec<&str> = KEYS.iter().flat_map(|(keys, _)| keys.split(' ')).collect();
+    listed.sort_by_key(|key| known.iter().position(|k| k == key));
+    assert_eq!(known, listed);
 }
 
 #[test]
