@@ -404,3 +404,32 @@ fn unsafe_code_stands_in_accel_only() {
         );
     }
 }
+
+/// Name and version of every package of a lock file.
+fn packages(lock: &str) -> BTreeSet<(String, String)> {
+    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(lock)).unwrap();
+    let of = |package: &str, key: &str| {
+        let value = package.lines().find_map(|line| line.strip_prefix(key));
+        value.unwrap().trim_matches('"').to_owned()
+    };
+    let packages = text.split("[[package]]\n").skip(1);
+    packages
+        .map(|p| (of(p, "name = "), of(p, "version = ")))
+        .collect()
+}
+
+/// An example that is a crate of its own must not be tested with other versions, nor need a download of its own.
+#[test]
+fn examples_have_the_versions_of_this_crate() {
+    let own = packages("Cargo.lock");
+    let of_example = packages("examples/snapshot-tests/Cargo.lock");
+    let others: Vec<_> = of_example
+        .difference(&own)
+        .map(|(name, _)| name.as_str())
+        .collect();
+    assert_eq!(
+        others,
+        ["snapshot-tests"],
+        "copy Cargo.lock over the example's and run cargo metadata there"
+    );
+}

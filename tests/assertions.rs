@@ -260,8 +260,13 @@ fn what_is_near_enough_passes_and_the_record_stays() {
     );
     project.run("dark", "always").unwrap();
     let dark = project.hash_on_record();
-    project.run("bright, near", "no").unwrap_err();
-    project.run("large, near, any scene", "no").unwrap_err();
+    let failed = project.run("bright, near", "no").unwrap_err();
+    assert!(
+        failed.contains("within the tolerance, the text of its scene is not"),
+        "{failed}"
+    );
+    let failed = project.run("large, near, any scene", "no").unwrap_err();
+    assert!(!failed.contains("within the tolerance"), "{failed}");
     for update in ["no", "new", "always"] {
         project.run("bright, near, any scene", update).unwrap();
     }

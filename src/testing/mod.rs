@@ -4,6 +4,9 @@
 //! mean color, a coarse grid of its brightness, and the scene it was made from. Two snapshots are equal exactly
 //! where the pixels and the scenes are.
 //!
+//! With the feature `insta` there are assertions, too: `assert_render_snapshot!("name", scene)` compares with what is on
+//! record and shows the difference as a picture. `examples/snapshot-tests` is a crate that uses them.
+//!
 //! ```
 //! use rtscript::{Builder, NoHost, RenderOptions, render, testing::snapshot_text};
 //! let mut b = Builder::new();

@@ -14,7 +14,7 @@ use crate::{
     diag::{Diagnostic, Error, Report},
     host::NoHost,
     render::{Image, RenderOptions, Rendered, render},
-    scene::Scene,
+    scene::{Scene, SceneError},
     script::{Picture, Run, RunOptions},
 };
 
@@ -250,6 +250,13 @@ impl Snapshotted for String {
 impl Snapshotted for Error {
     fn take(&self, _: &Path) -> Result<Taken, Error> {
         Ok(Taken::error(self))
+    }
+}
+
+/// The message, for what the builder must refuse.
+impl Snapshotted for SceneError {
+    fn take(&self, folder: &Path) -> Result<Taken, Error> {
+        Error::from(Diagnostic::from(self.clone())).take(folder)
     }
 }
 

@@ -68,7 +68,7 @@ use std::{
 
 use super::{Comparison, Snapshotted, Taken, Tolerance, compare, diff_picture, load_picture};
 use crate::{output, render::Image};
-use record::Record;
+use record::{Nearness, Record};
 
 /// Asserts that a picture and its scene are the ones on record under a name:
 /// `assert_render_snapshot!("name", scene)`, then `tolerance: ...` and `description: ...` as wanted.
@@ -274,8 +274,9 @@ impl Site {
         let reference = record.reference();
         let comparison = taken.image().zip(reference.as_ref());
         let comparison = comparison.map(|(actual, expected)| compare(expected, actual));
-        if let Some(accepted) = record.near_enough(&text, &options.tolerance, comparison.as_ref()) {
-            return equal(assert(&settings, &accepted));
+        let nearness = comparison.map_or(Nearness::Far, |c| record.nearness(&text, &options.tolerance, &c));
+        if let Nearness::Near(accepted) = &nearness {
+            return equal(assert(&settings, accepted));
         }
         let shown = if surroundings::accepts() {
             Vec::new()
@@ -296,6 +297,10 @@ impl Site {
         let mut message = format!("the picture {stem:?} is not the one on record");
         if taken.image().is_none() {
             message = format!("the message {stem:?} is not the one on record");
+        }
+        if options.tolerance != Tolerance::EXACT && matches!(nearness, Nearness::InPixelsAlone) {
+            message
+                .push_str("\n  its pixels are within the tolerance, the text of its scene is not the same");
         }
         for (what, value) in &shown {
             message.push_str(&format!("\n  {what}: {value}"));

@@ -97,25 +97,36 @@ impl Record {
         })
     }
 
-    /// The text on record, where it is near enough to `text`: the picture differs from the reference as `tolerance`
-    /// allows, and the rest of the text as well.
-    pub(super) fn near_enough(
-        &self,
-        text: &str,
-        tolerance: &Tolerance,
-        comparison: Option<&Comparison>,
-    ) -> Option<String> {
-        let (accepted, comparison) = (self.text()?, comparison?);
+    /// How near `text` and a picture that compares so with the reference are to what is on record.
+    pub(super) fn nearness(&self, text: &str, tolerance: &Tolerance, comparison: &Comparison) -> Nearness {
         let is_current = self.reference().is_some_and(|reference| self.is_of(&reference));
-        let rest = |text: &str| {
-            let lines = bare(text).lines().enumerate().filter(|(i, _)| !HEAD.contains(i));
-            let lines = lines.map(|(_, line)| line.to_owned());
-            let until = |line: &String| !tolerance.scene_may_differ || !line.is_empty();
-            lines.take_while(until).collect::<Vec<String>>()
+        let Some(accepted) = self.text().filter(|_| is_current && tolerance.allows(comparison)) else {
+            return Nearness::Far;
         };
-        let near = is_current && tolerance.allows(comparison) && rest(accepted) == rest(text);
-        near.then(|| accepted.to_owned())
+        let rest = |text: &str| {
+            let lines = bare(text).lines().enumerate();
+            let lines = lines
+                .filter(|(i, _)| !HEAD.contains(i))
+                .map(|(_, line)| line.to_owned());
+            let counts = |line: &String| !tolerance.scene_may_differ || !line.is_empty();
+            lines.take_while(counts).collect::<Vec<String>>()
+        };
+        if rest(accepted) == rest(text) {
+            Nearness::Near(accepted.to_owned())
+        } else {
+            Nearness::InPixelsAlone
+        }
     }
+}
+
+/// How near something is to what is on record.
+pub(super) enum Nearness {
+    /// Within the tolerance, which the text on record then stands for.
+    Near(String),
+    /// The picture is within the tolerance, the rest of the text is not.
+    InPixelsAlone,
+    /// Beyond the tolerance, or there is no reference to measure by.
+    Far,
 }
 
 /// How a picture differs, for the header of a snapshot that waits for a review.
