@@ -1,8 +1,9 @@
-//! The script's thread and the caller's thread.
+//! The script and its caller.
 //!
 //! A script runs on a thread of its own, for its deep stack. The host belongs to the caller, so whatever a
 //! script asks of the outside world is sent back and done there; rendering too, which thereby happens in the
-//! rayon pool the caller is in.
+//! rayon pool the caller is in. Where there is one thread only, the caller waits below the script on the same
+//! stack, and answers the same requests when it is called.
 
 use std::sync::{
     Arc,
@@ -10,6 +11,8 @@ use std::sync::{
     mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel},
 };
 use std::time::Duration;
+
+use scoped_tls_hkt::scoped_thread_local;
 
 use crate::{
     diag::{Error, ErrorKind, Report},
@@ -24,7 +27,7 @@ const POLL: Duration = Duration::from_millis(10);
 /// What rendering gives.
 pub(crate) type RenderResult = Result<Report<Rendered>, Error>;
 
-/// One thing asked of the caller's thread.
+/// One thing asked of the caller.
 pub(super) enum Request {
     Read {
         path: String,
@@ -43,32 +46,43 @@ pub(super) enum Request {
     },
 }
 
-/// The host, as the script's thread sees it.
+/// The host, as the script sees it.
 #[derive(Clone)]
-pub(crate) struct Remote {
-    requests: SyncSender<Request>,
-    stop: Arc<AtomicBool>,
+pub(crate) enum Remote {
+    /// The caller waits on another thread.
+    Thread {
+        requests: SyncSender<Request>,
+        stop: Arc<AtomicBool>,
+    },
+    /// The caller is [`CALLER`] of this thread.
+    Here,
 }
 
 impl Remote {
-    /// The two ends. Few requests may wait, so that a flood of prints cannot fill the memory.
-    pub(super) fn pair() -> (Self, Receiver<Request>) {
+    /// The end of a script that runs on another thread, which ends when `stop` is set, and the caller's end.
+    /// Few requests may wait, so that a flood of prints cannot fill the memory.
+    pub(super) fn pair(stop: Arc<AtomicBool>) -> (Self, Receiver<Request>) {
         let (requests, incoming) = sync_channel(64);
-        let stop = Arc::default();
-        (Self { requests, stop }, incoming)
+        (Self::Thread { requests, stop }, incoming)
     }
 
-    pub(super) fn stop_flag(&self) -> Arc<AtomicBool> {
-        Arc::clone(&self.stop)
+    /// Hands a request to the caller; `None` where nobody listens any more.
+    fn send(&self, request: Request) -> Option<()> {
+        match self {
+            Self::Thread { requests, .. } => requests.send(request).ok(),
+            Self::Here => CALLER
+                .is_set()
+                .then(|| CALLER.with(|caller| caller.answer(request))),
+        }
     }
 
     fn ask<T>(&self, make: impl FnOnce(SyncSender<T>) -> Request) -> Option<T> {
         let (reply, answer) = sync_channel(1);
-        self.requests.send(make(reply)).ok()?;
+        self.send(make(reply))?;
         answer.recv().ok()
     }
 
-    /// Renders on the caller's thread, and gives the scene back.
+    /// Lets the caller render, and gives the scene back.
     pub(crate) fn render(&self, scene: Scene) -> Option<(Scene, RenderResult)> {
         let scene = Box::new(scene);
         let (scene, result) = self.ask(|reply| Request::Render { scene, reply })?;
@@ -102,11 +116,14 @@ impl Host for Remote {
 
     fn print(&self, text: &str) {
         // Nobody listens only when the run is over.
-        let _ = self.requests.send(Request::Print(text.to_owned()));
+        let _ = self.send(Request::Print(text.to_owned()));
     }
 
     fn should_stop(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
+        match self {
+            Self::Thread { stop, .. } => stop.load(Ordering::Relaxed),
+            Self::Here => CALLER.is_set() && CALLER.with(|caller| caller.host.should_stop()),
+        }
     }
 
     fn write_image(&self, name: &str, image: &Image) -> Result<(), HostError> {
@@ -114,37 +131,56 @@ impl Host for Remote {
     }
 }
 
-/// Answers the script's requests until its thread ends.
-pub(super) fn serve(
-    incoming: &Receiver<Request>,
-    host: &dyn Host,
-    options: &RenderOptions,
-    stop: &AtomicBool,
-) {
-    loop {
-        if host.should_stop() {
-            stop.store(true, Ordering::Relaxed);
+scoped_thread_local! {
+    /// Who called the script that runs on this thread.
+    static CALLER: for<'c> &'c Caller<'c>
+}
+
+/// Who runs a script, and answers it.
+pub(super) struct Caller<'c> {
+    pub(super) host: &'c dyn Host,
+    pub(super) render: &'c RenderOptions,
+}
+
+impl Caller<'_> {
+    /// Answers the requests of a script on another thread until that ends.
+    pub(super) fn serve(&self, incoming: &Receiver<Request>, stop: &AtomicBool) {
+        loop {
+            if self.host.should_stop() {
+                stop.store(true, Ordering::Relaxed);
+            }
+            match incoming.recv_timeout(POLL) {
+                Ok(request) => self.answer(request),
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => return,
+            }
         }
+    }
+
+    /// Answers the requests of a script that `run` runs on this thread.
+    pub(super) fn call<T>(&self, run: impl FnOnce(Remote) -> T) -> T {
+        CALLER.set(self, || run(Remote::Here))
+    }
+
+    fn answer(&self, request: Request) {
         // An answer that nobody waits for any more is dropped.
-        match incoming.recv_timeout(POLL) {
-            Ok(Request::Read {
+        match request {
+            Request::Read {
                 path,
                 max_bytes,
                 reply,
-            }) => drop(reply.send(host.read(&path, max_bytes))),
-            Ok(Request::Print(text)) => host.print(&text),
-            Ok(Request::Render { scene, reply }) => {
-                let result = render(&scene, options, host);
+            } => drop(reply.send(self.host.read(&path, max_bytes))),
+            Request::Print(text) => self.host.print(&text),
+            Request::Render { scene, reply } => {
+                let result = render(&scene, self.render, self.host);
                 drop(reply.send((scene, result)));
             }
-            Ok(Request::Write { name, image, reply }) => {
-                let written = host.write_image(&name, &image);
+            Request::Write { name, image, reply } => {
+                let written = self.host.write_image(&name, &image);
                 // The script goes on with the only handle, so that it need not copy the picture.
                 drop(image);
                 drop(reply.send(written));
             }
-            Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => return,
         }
     }
 }
@@ -155,5 +191,114 @@ pub(super) struct StopOnDrop(pub(super) Arc<AtomicBool>);
 impl Drop for StopOnDrop {
     fn drop(&mut self) {
         self.0.store(true, Ordering::Relaxed);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Mutex;
+
+    use super::*;
+    use crate::{
+        MemoryHost,
+        limits::Limits,
+        script::{Run, RunOptions, Script},
+    };
+
+    const SCRIPT: &str = "import \"parts\" as parts;
+        size(8, 6);
+        print(`one ${parts::part()}`);
+        sphere(0, 0, 0, 1);
+        let picture = render(\"a.png\");
+        print(picture.pixel(4, 3));
+        diffuse(picture);
+        box();";
+
+    /// Keeps what it hears.
+    #[derive(Default)]
+    struct Ear {
+        heard: Mutex<Vec<String>>,
+        stops: bool,
+        runs: bool,
+    }
+
+    impl Ear {
+        fn hear(&self, what: String) {
+            self.heard.lock().unwrap().push(what);
+        }
+    }
+
+    impl Host for Ear {
+        fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, HostError> {
+            self.hear(format!("read {path}"));
+            let parts = "fn part() { sphere(1, 0, 0, 1); \"part\" }";
+            MemoryHost::new().with("parts.rhai", parts).read(path, max_bytes)
+        }
+
+        fn print(&self, text: &str) {
+            self.hear(format!("print {text}"));
+            if self.runs {
+                let inner = here("box();", &Self::default());
+                self.hear(inner.map_or_else(|e| e.diagnostic.message.clone(), |_| "ran".to_owned()));
+            }
+        }
+
+        fn should_stop(&self) -> bool {
+            self.stops
+        }
+
+        fn write_image(&self, name: &str, image: &Image) -> Result<(), HostError> {
+            self.hear(format!("write {name} {}", image.hash()));
+            Ok(())
+        }
+    }
+
+    fn here(script: &str, host: &dyn Host) -> Result<Report<Run>, Error> {
+        let script = Script::compile("a.rhai", script, &Limits::default())?;
+        let options = RunOptions::default();
+        let caller = Caller {
+            host,
+            render: &options.render,
+        };
+        script.run_here(&caller, &options)
+    }
+
+    #[test]
+    fn a_script_on_the_callers_thread_does_what_it_does_on_its_own() {
+        let (one, two) = (Ear::default(), Ear::default());
+        let alone = here(SCRIPT, &one).unwrap().value.scene.dump();
+        let script = Script::compile("a.rhai", SCRIPT, &Limits::default()).unwrap();
+        let threaded = script.run(&two, &RunOptions::default()).unwrap();
+        assert_eq!(alone, threaded.value.scene.dump());
+        let heard = one.heard.into_inner().unwrap();
+        assert_eq!(heard.len(), 4, "{heard:?}");
+        assert_eq!(heard, two.heard.into_inner().unwrap());
+    }
+
+    #[test]
+    fn a_script_on_the_callers_thread_is_stopped_too() {
+        let ear = Ear {
+            stops: true,
+            ..Ear::default()
+        };
+        let error = here("loop { }", &ear).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::Cancelled);
+    }
+
+    #[test]
+    fn a_host_cannot_run_a_script_within_the_one_it_answers() {
+        let ear = Ear {
+            runs: true,
+            ..Ear::default()
+        };
+        let outer = here("print(1); box(); box();", &ear).unwrap().value;
+        assert_eq!(outer.scene.root().objects.len(), 2);
+        let heard = ear.heard.into_inner().unwrap();
+        assert!(
+            heard[1].starts_with("a script runs on this thread already"),
+            "{heard:?}"
+        );
+        // The next run has the thread to itself again.
+        here("box();", &Ear::default()).unwrap();
     }
 }

@@ -25,7 +25,7 @@ use std::{
     any::Any,
     collections::BTreeMap,
     panic::{AssertUnwindSafe, catch_unwind},
-    sync::Arc,
+    sync::{Arc, atomic::AtomicBool},
     thread,
 };
 
@@ -39,12 +39,15 @@ use crate::{
     render::{Image, RenderOptions, RenderStats},
     scene::Scene,
 };
-use link::{Remote, StopOnDrop, serve};
-use session::{Source, State};
+use link::{Caller, Remote, StopOnDrop};
+use session::{Running, Source, State};
 use value::ScriptError;
 
 /// Stack of the script's thread. Rhai walks its syntax tree by recursion, and drops chains of closures so.
 const STACK_BYTES: usize = 256 << 20;
+
+/// Whether there are threads: none in the browser's sandbox (wasm32-unknown-unknown).
+const HAS_THREADS: bool = !cfg!(target_family = "wasm");
 
 /// A script that has been read and can be run any number of times.
 #[derive(Clone, Debug)]
@@ -157,15 +160,33 @@ impl Script {
         &self.source.name
     }
 
-    /// Runs the script on a thread of its own. Everything it asks of `host` is done on the calling thread, and
-    /// so is rendering, in the rayon pool the call is made in.
+    /// Runs the script on a thread of its own; without threads (wasm32-unknown-unknown), on this one. Everything it
+    /// asks of `host` is done on the calling thread, and so is rendering, in the rayon pool the call is made in.
     ///
     /// # Errors
     /// Whatever ends the script early, with its place and the calls that led there: [`Error::kind`] tells the
     /// script's own fault from a limit, a missing file, a refusal of the host or its wish to stop.
     pub fn run(&self, host: &dyn Host, options: &RunOptions) -> Result<Report<Run>, Error> {
-        let (remote, incoming) = Remote::pair();
-        let stop = remote.stop_flag();
+        let caller = Caller {
+            host,
+            render: &options.render,
+        };
+        if HAS_THREADS {
+            self.run_on_deep_stack(&caller, options)
+        } else {
+            self.run_here(&caller, options)
+        }
+    }
+
+    fn run_here(&self, caller: &Caller<'_>, options: &RunOptions) -> Result<Report<Run>, Error> {
+        let guarded = || caller.call(|remote| self.evaluate(remote, options));
+        catch_unwind(AssertUnwindSafe(guarded))
+            .unwrap_or_else(|panic| Err(internal(self.name(), &panic_text(&*panic))))
+    }
+
+    fn run_on_deep_stack(&self, caller: &Caller<'_>, options: &RunOptions) -> Result<Report<Run>, Error> {
+        let stop: Arc<AtomicBool> = Arc::default();
+        let (remote, incoming) = Remote::pair(Arc::clone(&stop));
         thread::scope(|scope| {
             let guard = StopOnDrop(Arc::clone(&stop));
             let script = thread::Builder::new()
@@ -175,7 +196,7 @@ impl Script {
                     catch_unwind(AssertUnwindSafe(|| self.evaluate(remote, options)))
                 })
                 .map_err(|e| internal(self.name(), &format!("cannot start the script's thread: {e}")))?;
-            serve(&incoming, host, &options.render, &stop);
+            caller.serve(&incoming, &stop);
             drop((guard, incoming));
             match script.join() {
                 Ok(Ok(result)) => result,
@@ -192,13 +213,16 @@ impl Script {
             d.hints = e.hints;
             return Err(d.into());
         }
-        session::begin(state);
+        let running = Running::begin(state).ok_or_else(|| {
+            let what = "a script runs on this thread already, and without threads there is one at a time";
+            Error::from(Diagnostic::error(ErrorKind::Denied, what).at(self.name(), 0, 0))
+        })?;
         let engine = engine::runner(&self.limits).map_err(|e| internal(self.name(), &e.message))?;
         let mut scope = Scope::new();
         let result = engine.run_ast_with_scope(&mut scope, &self.ast);
         // Values of the script go before its thread does: only here is the stack deep enough for any of them.
         drop((scope, engine));
-        let Some(mut state) = session::end() else {
+        let Some(mut state) = running.end() else {
             return Err(internal(self.name(), "a run without a state"));
         };
         let result = match (result, state.ended.take()) {
@@ -282,7 +306,7 @@ fn preset(state: &mut State) -> Result<(), Box<ScriptError>> {
 /// Runs `f` on a thread with a deep stack; without threads (wasm32-unknown-unknown), on this one.
 fn on_deep_stack<T: Send>(f: impl FnOnce() -> T + Send) -> Result<T, String> {
     let guarded = || catch_unwind(AssertUnwindSafe(f));
-    let result = if cfg!(target_family = "wasm") {
+    let result = if !HAS_THREADS {
         guarded()
     } else {
         thread::scope(|scope| {

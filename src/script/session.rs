@@ -168,7 +168,7 @@ pub(crate) fn limit(what: &str, name: &str, value: impl std::fmt::Display) -> Bo
 }
 
 thread_local! {
-    /// The run of this thread. A script has its thread to itself, so its state is shared with nobody: a scene
+    /// The run of this thread. A thread runs one script at a time, so its state is shared with nobody: a scene
     /// function takes it without a lock.
     static RUN: RefCell<Option<Box<State>>> = const { RefCell::new(None) };
 }
@@ -180,15 +180,34 @@ pub(crate) fn with_state<T>(f: impl FnOnce(&mut State) -> T) -> Option<T> {
     RUN.with(|run| run.try_borrow_mut().ok()?.as_deref_mut().map(f))
 }
 
-/// Makes `state` that of the script that the current thread is about to run. The thread is the script's own, so
-/// that a panic ends both.
-pub(super) fn begin(state: State) {
-    RUN.with(|run| run.replace(Some(Box::new(state))));
+/// The run of the current thread, which ends with this value.
+pub(super) struct Running(());
+
+impl Running {
+    /// Makes `state` that of the script that the current thread is about to run; `None` where it runs one, whose
+    /// host calls from within.
+    pub(super) fn begin(state: State) -> Option<Self> {
+        RUN.with(|run| {
+            let mut run = run.try_borrow_mut().ok()?;
+            if run.is_some() {
+                return None;
+            }
+            *run = Some(Box::new(state));
+            Some(Self(()))
+        })
+    }
+
+    /// Ends the run and hands over what it leaves.
+    pub(super) fn end(self) -> Option<Box<State>> {
+        RUN.with(|run| run.try_borrow_mut().ok()?.take())
+    }
 }
 
-/// Ends the run of the current thread and hands over what it leaves.
-pub(super) fn end() -> Option<Box<State>> {
-    RUN.with(|run| run.take())
+impl Drop for Running {
+    fn drop(&mut self) {
+        let left = RUN.with(|run| run.try_borrow_mut().ok()?.take());
+        drop(left);
+    }
 }
 
 /// Prints a line for the script.
