@@ -23,10 +23,16 @@ use crate::{
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct RenderOptions {
-    /// Threads; 0 takes the rayon pool the call is made in.
+    /// Threads; 0 takes the rayon pool the call is made in. Without threads (wasm32-unknown-unknown) there is one.
     pub threads: usize,
     /// Traces every ray alone, which is slower, never in a packet with its neighbors; for tests that compare.
     pub single_rays: bool,
+    /// Edge of a tile in pixels, which is what a thread takes at a time; 0 takes 16. At most 1024 counts; for tests
+    /// that compare.
+    pub tile: u32,
+    /// Takes the tiles in an order drawn from this number, with threads that give way to others at random; for tests
+    /// that compare.
+    pub shuffle: Option<u64>,
 }
 
 /// How far a render is.
@@ -86,7 +92,7 @@ pub struct Rendered {
 /// # Errors
 /// `Cancelled` where the host asks to stop, `Limit` where instancing multiplies past 2^62 primitives.
 pub fn render(scene: &Scene, options: &RenderOptions, host: &dyn Host) -> Result<Report<Rendered>, Error> {
-    if options.threads == 0 {
+    if options.threads == 0 || cfg!(target_family = "wasm") {
         return render_here(scene, options, host);
     }
     let pool = rayon::ThreadPoolBuilder::new()
@@ -108,7 +114,7 @@ fn render_here(scene: &Scene, options: &RenderOptions, host: &dyn Host) -> Resul
     world.packets = !options.single_rays;
     let compile = compiling.elapsed();
     let tracing = Stopwatch::start();
-    let Some((image, counts)) = tiles::trace(&world, host) else {
+    let Some((image, counts)) = tiles::trace(&world, options, host) else {
         return Err(Diagnostic::error(ErrorKind::Cancelled, "the render was stopped").into());
     };
     let stats = RenderStats {

@@ -1,45 +1,60 @@
 //! A picture in tiles over all threads. Each pixel depends on its place alone, so their order does not matter.
 
-use std::sync::{
-    Mutex,
-    atomic::{AtomicU64, AtomicUsize, Ordering},
+use std::{
+    sync::{
+        Mutex,
+        atomic::{AtomicU64, AtomicUsize, Ordering},
+    },
+    thread,
 };
 
 use rayon::prelude::*;
 
 use super::{
-    Progress,
+    Progress, RenderOptions,
     film::Image,
     integrator::{self, Counts, Stack},
     interrupt::Interrupt,
-    sampler::{Sampler, stratified},
+    sampler::{Sampler, mix, stratified},
     world::{PACKET, Probe, World},
 };
 use crate::{color::Color, host::Host, scene::CameraFrame};
 
-/// Edge of a tile in pixels: small enough that no thread idles at the end.
+/// Edge of a tile in pixels unless the options say otherwise: small enough that no thread idles at the end.
 const TILE: u32 = 16;
+/// Largest edge of a tile that the options may ask for.
+const MOST_TILE: u32 = 1024;
 
 /// Traces every pixel. `None` where the host asked to stop.
-pub(super) fn trace(world: &World<'_>, host: &dyn Host) -> Option<(Image, Counts)> {
+pub(super) fn trace(world: &World<'_>, options: &RenderOptions, host: &dyn Host) -> Option<(Image, Counts)> {
     let s = &world.scene.settings;
     let total = u64::from(s.width) * u64::from(s.height);
     let frame = world.scene.camera.frame(s.width, s.height);
     let (done, rays, interrupt) = (AtomicU64::new(0), AtomicU64::new(0), Interrupt::new(host));
     let finished = Mutex::new((vec![[0.0; 3]; total as usize], Counts::default()));
-    let tiles = from_the_middle(s.width.div_ceil(TILE), s.height.div_ceil(TILE));
+    let edge = match options.tile {
+        0 => TILE,
+        edge => edge.min(MOST_TILE),
+    };
+    let mut tiles = from_the_middle(s.width.div_ceil(edge), s.height.div_ceil(edge));
+    if let Some(seed) = options.shuffle {
+        shuffle(&mut tiles, seed);
+    }
     let next = AtomicUsize::new(0);
 
     // Each thread takes the next tile when it is done with one, so at the end none waits for more than a tile.
     (0..rayon::current_num_threads()).into_par_iter().for_each(|_| {
         let (mut own, mut stack) = (Counts::default(), Stack::default());
-        let mut tile = vec![[0.0; 3]; (TILE * TILE) as usize];
+        let mut tile = vec![[0.0; 3]; (edge.min(s.width) * edge.min(s.height)) as usize];
         while let Some(&(column, row)) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
             if interrupt.poll() {
                 break;
             }
-            let (x0, y0) = (column * TILE, row * TILE);
-            let (columns, rows) = (TILE.min(s.width - x0), TILE.min(s.height - y0));
+            let (x0, y0) = (column * edge, row * edge);
+            let (columns, rows) = (edge.min(s.width - x0), edge.min(s.height - y0));
+            if let Some(seed) = options.shuffle {
+                give_way(seed, (column, row));
+            }
             let before = own.total();
             for square in squares((columns, rows), s.samples) {
                 Square {
@@ -53,6 +68,9 @@ pub(super) fn trace(world: &World<'_>, host: &dyn Host) -> Option<(Image, Counts
                     let (x, y) = (square.left + i % square.columns, square.top + i / square.columns);
                     tile[(y * columns + x) as usize] = mean.to_array();
                 });
+            }
+            if let Some(seed) = options.shuffle {
+                give_way(!seed, (column, row));
             }
             if let Ok(mut finished) = finished.lock() {
                 let lines = tile.chunks(columns as usize).take(rows as usize);
@@ -103,6 +121,22 @@ fn from_the_middle(columns: u32, rows: u32) -> Vec<(u32, u32)> {
         (ring, along)
     });
     tiles
+}
+
+/// Brings the tiles into an order drawn from `seed`.
+fn shuffle(tiles: &mut [(u32, u32)], seed: u64) {
+    tiles.sort_by_cached_key(|&(column, row)| (draw(seed, column, row), column, row));
+}
+
+/// Lets other threads go first, up to 15 times over.
+fn give_way(seed: u64, (column, row): (u32, u32)) {
+    for _ in 0..draw(seed, row, column) % 16 {
+        thread::yield_now();
+    }
+}
+
+fn draw(seed: u64, a: u32, b: u32) -> u64 {
+    mix(mix(seed ^ u64::from(a)) ^ u64::from(b))
 }
 
 /// Samples of one pixel between two looks at the interrupt.
@@ -211,5 +245,23 @@ mod tests {
             ring.windows(2)
                 .all(|w| w[0].0.abs_diff(w[1].0) + w[0].1.abs_diff(w[1].1) == 1)
         );
+    }
+
+    #[test]
+    fn shuffled_tiles_come_once_each_in_another_order_for_each_number() {
+        let tiles = from_the_middle(9, 7);
+        let orders = [1, 2].map(|seed| {
+            let mut shuffled = tiles.clone();
+            shuffle(&mut shuffled, seed);
+            shuffled
+        });
+        assert_ne!(orders[0], orders[1]);
+        for mut order in orders {
+            assert_ne!(order, tiles);
+            order.sort_unstable();
+            let mut sorted = tiles.clone();
+            sorted.sort_unstable();
+            assert_eq!(order, sorted);
+        }
     }
 }
