@@ -65,6 +65,10 @@ impl Bvh {
     }
 
     #[inline(always)]
+    #[cfg_attr(
+        not(target_arch = "x86_64"),
+        allow(unused_unsafe, reason = "portable lanes need no instructions")
+    )]
     fn traverse_by<const ANY: bool>(
         &self,
         simd: Simd,

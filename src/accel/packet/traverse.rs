@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     accel::{
-        Bvh, Child, LeafKind, NONE, Simd,
+        Bvh, Child, LeafKind, NONE,
         blocks::{BLOCK, Spheres, Triangles},
         boxes::Node,
         lanes::prefetch,
@@ -112,7 +112,7 @@ impl RayPacket {
         decide: &mut impl Decide,
     ) -> bool {
         #[cfg(target_arch = "x86_64")]
-        if Simd::detect() >= Simd::Avx2 {
+        if crate::accel::Simd::detect() >= crate::accel::Simd::Avx2 {
             // SAFETY: `detect` names only what the processor has, and AVX2 only together with FMA.
             return unsafe { self.search_avx2::<ANY>(place, rays, bounds, search, decide) };
         }
