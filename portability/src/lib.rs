@@ -1,0 +1,125 @@
+//! The test corpus on any target: every scene of `tests/scenes` at its own size, every script of the gallery small,
+//! and of each a line of text that says what came out, to be compared with the line of another target or with what is
+//! on record.
+
+use std::collections::BTreeMap;
+
+use rtscript::{
+    Error, MemoryHost, RunOptions,
+    testing::{RenderedFile, render_bytes},
+};
+
+#[cfg(target_family = "wasm")]
+mod module;
+
+/// Size of a script of the gallery, as in `tests/gallery.rs`, whose hashes are on record.
+const GALLERY_SIZE: (u32, u32) = (48, 36);
+
+/// The files of the corpus by path from the root of the repository, with `/`.
+#[derive(Clone, Debug, Default)]
+pub struct Corpus {
+    /// Scenes and what they read.
+    pub files: BTreeMap<String, Vec<u8>>,
+}
+
+impl Corpus {
+    /// The scenes among the files, sorted.
+    pub fn scenes(&self) -> Vec<String> {
+        let paths = self.files.keys();
+        paths.filter(|path| is_scene(path)).cloned().collect()
+    }
+
+    /// Renders a scene from memory and tells what came out.
+    pub fn line(&self, path: &str, options: &RunOptions) -> String {
+        let Some(bytes) = self.files.get(path) else {
+            return format!("{path} missing");
+        };
+        let (folder, name) = path.rsplit_once('/').unwrap_or(("", path));
+        let mut assets = MemoryHost::new();
+        for (asset, bytes) in &self.files {
+            let below = asset.strip_prefix(folder).and_then(|rest| rest.strip_prefix('/'));
+            if let Some(below) = below {
+                assets.insert(below, bytes.clone());
+            }
+        }
+        let options = options_of(path, options);
+        line(path, &render_bytes(name, bytes.clone(), &assets, &options))
+    }
+
+    /// One run of bytes with all files, for a target that has none: of each the lengths of path and contents (32 bits,
+    /// least byte first), the path, the contents.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        for (path, contents) in &self.files {
+            for part in [path.as_bytes(), contents] {
+                bytes.extend((part.len() as u32).to_le_bytes());
+            }
+            bytes.extend(path.as_bytes());
+            bytes.extend(contents);
+        }
+        bytes
+    }
+
+    /// What [`Corpus::to_bytes`] made; `None` where it did not.
+    pub fn from_bytes(mut bytes: &[u8]) -> Option<Self> {
+        let mut corpus = Self::default();
+        while let Some((lengths, rest)) = bytes.split_first_chunk::<8>() {
+            let [a, b, c, d, e, f, g, h] = *lengths;
+            let [path, contents] = [[a, b, c, d], [e, f, g, h]].map(u32::from_le_bytes);
+            let (path, rest) = rest.split_at_checked(path as usize)?;
+            let (contents, rest) = rest.split_at_checked(contents as usize)?;
+            let path = str::from_utf8(path).ok()?.to_owned();
+            corpus.files.insert(path, contents.to_vec());
+            bytes = rest;
+        }
+        bytes.is_empty().then_some(corpus)
+    }
+}
+
+/// Whether a file is a scene: those of the tests in any folder, those of the gallery at its top, where the modules lie
+/// below.
+pub fn is_scene(path: &str) -> bool {
+    match path.strip_prefix("scripts/") {
+        Some(name) => !name.contains('/') && name.ends_with(".rhai"),
+        None => path.ends_with(".rhai") || path.ends_with(".test"),
+    }
+}
+
+/// The options with what is decided for a scene: a small size where it is of the gallery.
+pub fn options_of(path: &str, options: &RunOptions) -> RunOptions {
+    let mut options = options.clone();
+    if path.starts_with("scripts/") {
+        (options.size, options.samples) = (Some(GALLERY_SIZE), Some(1));
+    }
+    options
+}
+
+/// What came of a scene: its path, the hash of its pixels (`error` where there are none), and a hash of its snapshot,
+/// which is the text of the scene, of its warnings and of what it printed, or of its error.
+pub fn line(path: &str, result: &Result<RenderedFile, Error>) -> String {
+    match result {
+        Ok(rendered) => record(path, &rendered.image.hash(), &rendered.snapshot()),
+        Err(error) => record(path, "error", &error_text(error)),
+    }
+}
+
+/// A line for what is known of a scene. Of the gallery the hashes of pixels alone are on record.
+pub fn record(path: &str, pixels: &str, snapshot: &str) -> String {
+    if path.starts_with("scripts/") {
+        return format!("{path} {pixels}");
+    }
+    let hash = blake3::hash(snapshot.trim().as_bytes()).to_hex();
+    format!("{path} {pixels} {}", &hash[..16])
+}
+
+/// The error as `tests/scenes.rs` records it.
+fn error_text(error: &Error) -> String {
+    let mut lines = Vec::new();
+    for diagnostic in error.warnings.iter().chain([&*error.diagnostic]) {
+        lines.push(diagnostic.to_string());
+        let excerpt = diagnostic.source_line.as_ref();
+        lines.extend(excerpt.map(|line| format!("  line: {}", line.trim())));
+    }
+    lines.push(format!("kind: {:?}", error.kind()));
+    lines.join("\n")
+}
