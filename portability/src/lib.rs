@@ -2,10 +2,10 @@
 //! and of each a line of text that says what came out, to be compared with the line of another target or with what is
 //! on record.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, time::Duration};
 
 use rtscript::{
-    Error, MemoryHost, RunOptions,
+    Error, Host, Limits, MemoryHost, RunOptions,
     testing::{RenderedFile, render_bytes},
 };
 
@@ -29,7 +29,7 @@ impl Corpus {
         paths.filter(|path| is_scene(path)).cloned().collect()
     }
 
-    /// Renders a scene from memory and tells what came out.
+    /// Renders a scene from memory and says what came out.
     pub fn line(&self, path: &str, options: &RunOptions) -> String {
         let Some(bytes) = self.files.get(path) else {
             return format!("{path} missing");
@@ -42,8 +42,7 @@ impl Corpus {
                 assets.insert(below, bytes.clone());
             }
         }
-        let options = options_of(path, options);
-        line(path, &render_bytes(name, bytes.clone(), &assets, &options))
+        line(path, name, bytes.clone(), &assets, options)
     }
 
     /// One run of bytes with all files, for a target that has none: of each the lengths of path and contents (32 bits,
@@ -85,21 +84,21 @@ pub fn is_scene(path: &str) -> bool {
     }
 }
 
-/// The options with what is decided for a scene: a small size where it is of the gallery.
-pub fn options_of(path: &str, options: &RunOptions) -> RunOptions {
+/// What comes of a scene: its path, the hash of its pixels (`error` where there are none), and a hash of its snapshot,
+/// which is the text of the scene, of its warnings and of what it printed, or of its error. A script of the gallery is
+/// rendered small. `bytes` are the scene, `name` what messages call it, `assets` what it reads.
+pub fn line(path: &str, name: &str, bytes: Vec<u8>, assets: &dyn Host, options: &RunOptions) -> String {
     let mut options = options.clone();
     if path.starts_with("scripts/") {
         (options.size, options.samples) = (Some(GALLERY_SIZE), Some(1));
     }
-    options
-}
-
-/// What came of a scene: its path, the hash of its pixels (`error` where there are none), and a hash of its snapshot,
-/// which is the text of the scene, of its warnings and of what it printed, or of its error.
-pub fn line(path: &str, result: &Result<RenderedFile, Error>) -> String {
-    match result {
+    // The deadline is the one limit that depends on the machine, and an emulator is slow.
+    let mut limits = Limits::default();
+    limits.script_time = Duration::from_secs(3600);
+    match render_bytes(name, bytes, assets, &limits, &options) {
         Ok(rendered) => record(path, &rendered.image.hash(), &rendered.snapshot()),
-        Err(error) => record(path, "error", &error_text(error)),
+        Err(error) if path.contains("/errors/") => record(path, "error", &error_text(&error)),
+        Err(error) => format!("{path} error {:?}", error_text(&error)),
     }
 }
 

@@ -8,10 +8,11 @@ use std::{
     path::Path,
 };
 
-use portability::{Corpus, is_scene, line, options_of, record};
-use rtscript::{RunOptions, testing::render_file};
+use portability::{Corpus, line, record};
+use rtscript::{DirHost, RunOptions};
 
-const USAGE: &str = "usage: portability render|record|pack ROOT [--threads N] [--tile N] [--shuffle SEED] [--single-rays]";
+const USAGE: &str =
+    "usage: portability render|record|pack ROOT [--threads N] [--tile N] [--shuffle SEED] [--single-rays]";
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -35,8 +36,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     match action.as_str() {
         "render" => {
             for path in corpus.scenes() {
-                let rendered = render_file(&root.join(&path), &options_of(&path, &options));
-                writeln!(out, "{}", line(&path, &rendered))?;
+                let file = root.join(&path);
+                let assets = DirHost::new(file.parent().unwrap_or(root));
+                let name = file.file_name().unwrap_or_default().to_string_lossy();
+                writeln!(out, "{}", line(&path, &name, fs::read(&file)?, &assets, &options))?;
             }
         }
         "record" => {
@@ -81,10 +84,14 @@ fn on_record(root: &Path, path: &str) -> Result<String, Box<dyn Error>> {
             .ok_or_else(|| format!("{} is no snapshot", path.display()))?;
         Ok(contents.to_owned())
     };
-    debug_assert!(is_scene(path));
-    if let Some(name) = path.strip_prefix("scripts/").and_then(|name| name.strip_suffix(".rhai")) {
+    if let Some(name) = path
+        .strip_prefix("scripts/")
+        .and_then(|name| name.strip_suffix(".rhai"))
+    {
         let gallery = contents(&root.join("tests/snapshots/gallery__gallery.snap"))?;
-        let hash = gallery.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));
+        let hash = gallery
+            .lines()
+            .find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));
         return Ok(record(path, hash.unwrap_or("none"), ""));
     }
     let snapshot = contents(&root.join(path).with_extension("snap"))?;
