@@ -11,11 +11,13 @@ pub struct Limits {
     pub source_bytes: usize,
     /// Operations of the script. Default: 500 million.
     pub operations: u64,
-    /// Time the script may run, rendering not counted. Default: 60 s.
+    /// Time the script may run, rendering not counted. Default: 60 s. Without a clock (wasm32-unknown-unknown) time
+    /// stands still, and `operations` is what ends a script.
     pub script_time: Duration,
-    /// Script functions calling one another. Default: 64.
+    /// Script functions calling one another. Default: 64, also the most where a script has no stack of its own
+    /// (wasm32-unknown-unknown).
     pub call_levels: usize,
-    /// Nesting of expressions. Default: 64.
+    /// Nesting of expressions. Default: 64, also the most where a script has no stack of its own.
     pub expression_depth: usize,
     /// Bytes of one string. Default: 1 MiB.
     pub string_bytes: usize,

@@ -116,6 +116,7 @@ impl Script {
     /// # Errors
     /// `Script` where it is malformed, with line and column; `Limit` where it is too large.
     pub fn compile(name: &str, source: &str, limits: &Limits) -> Result<Self, Error> {
+        let limits = &for_the_stack(limits);
         let too_large = source.len() > limits.source_bytes;
         let source = without_mark(source);
         let source = Source {
@@ -301,6 +302,18 @@ fn preset(state: &mut State) -> Result<(), Box<ScriptError>> {
         state.builder.seed(seed);
     }
     Ok(())
+}
+
+/// The limits that count. Where the stack is whatever the embedder left, the default depths are what Node's
+/// stack of 984 KiB is known to hold.
+fn for_the_stack(limits: &Limits) -> Limits {
+    let mut limits = limits.clone();
+    if !HAS_THREADS {
+        let most = Limits::default();
+        limits.call_levels = limits.call_levels.min(most.call_levels);
+        limits.expression_depth = limits.expression_depth.min(most.expression_depth);
+    }
+    limits
 }
 
 /// Runs `f` on a thread with a deep stack; without threads (wasm32-unknown-unknown), on this one.
