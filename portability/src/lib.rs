@@ -4,10 +4,7 @@
 
 use std::{collections::BTreeMap, time::Duration};
 
-use rtscript::{
-    Error, Host, Limits, MemoryHost, RunOptions,
-    testing::{RenderedFile, render_bytes},
-};
+use rtscript::{Error, Host, Limits, MemoryHost, RunOptions, testing::render_bytes};
 
 #[cfg(target_family = "wasm")]
 mod module;
@@ -84,9 +81,8 @@ pub fn is_scene(path: &str) -> bool {
     }
 }
 
-/// What comes of a scene: its path, the hash of its pixels (`error` where there are none), and a hash of its snapshot,
-/// which is the text of the scene, of its warnings and of what it printed, or of its error. A script of the gallery is
-/// rendered small. `bytes` are the scene, `name` what messages call it, `assets` what it reads.
+/// What comes of a scene: [`record`], then a hash of the linear values of its pixels to the last bit. A script of the
+/// gallery is rendered small. `bytes` are the scene, `name` what messages call it, `assets` what it reads.
 pub fn line(path: &str, name: &str, bytes: Vec<u8>, assets: &dyn Host, options: &RunOptions) -> String {
     let mut options = options.clone();
     if path.starts_with("scripts/") {
@@ -96,16 +92,27 @@ pub fn line(path: &str, name: &str, bytes: Vec<u8>, assets: &dyn Host, options: 
     let mut limits = Limits::default();
     limits.script_time = Duration::from_secs(3600);
     match render_bytes(name, bytes, assets, &limits, &options) {
-        Ok(rendered) => record(path, &rendered.image.hash(), &rendered.snapshot()),
-        Err(error) if path.contains("/errors/") => record(path, "error", &error_text(&error)),
+        Ok(rendered) => {
+            let line = record(path, &rendered.image.hash(), &rendered.snapshot());
+            let mut linear = blake3::Hasher::new();
+            for channel in rendered.image.pixels().as_flattened() {
+                linear.update(&channel.to_bits().to_le_bytes());
+            }
+            format!("{line} {}", &linear.finalize().to_hex()[..16])
+        }
+        Err(error) if path.contains("/errors/") => {
+            format!("{} none", record(path, "error", &error_text(&error)))
+        }
         Err(error) => format!("{path} error {:?}", error_text(&error)),
     }
 }
 
-/// A line for what is known of a scene. Of the gallery the hashes of pixels alone are on record.
+/// What can be on record for a scene: its path, the hash of its pixels (`error` where there are none), and a hash of its
+/// snapshot, which is the text of the scene, of its warnings and of what it printed, or of its error (`none` for the
+/// gallery, of which the hashes of pixels alone are on record).
 pub fn record(path: &str, pixels: &str, snapshot: &str) -> String {
     if path.starts_with("scripts/") {
-        return format!("{path} {pixels}");
+        return format!("{path} {pixels} none");
     }
     let hash = blake3::hash(snapshot.trim().as_bytes()).to_hex();
     format!("{path} {pixels} {}", &hash[..16])
