@@ -4,7 +4,7 @@
 
 use std::{collections::BTreeMap, time::Duration};
 
-use rtscript::{Error, Host, Limits, MemoryHost, RunOptions, testing::render_bytes};
+use rtscript::{Error, Host, Limits, MemoryHost, RunOptions, source, testing::render_text};
 
 #[cfg(target_family = "wasm")]
 mod module;
@@ -91,7 +91,10 @@ pub fn line(path: &str, name: &str, bytes: Vec<u8>, assets: &dyn Host, options: 
     // The deadline is the one limit that depends on the machine, and an emulator is slow.
     let mut limits = Limits::default();
     limits.script_time = Duration::from_secs(3600);
-    match render_bytes(name, bytes, assets, &limits, &options) {
+    let rendered = source::text(name, bytes, &limits)
+        .map_err(Error::from)
+        .and_then(|text| render_text(name, &text, assets, &limits, &options));
+    match rendered {
         Ok(rendered) => {
             let line = record(path, &rendered.image.hash(), &rendered.snapshot());
             let mut linear = blake3::Hasher::new();

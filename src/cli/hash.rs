@@ -26,7 +26,7 @@ pub(super) fn hash(args: &HashArgs, signals: &Arc<Signals>) -> Result<(), Error>
                 .scene
                 .hash()
         } else {
-            let rendered = render_text(input.name(), &text, &host, &options)?;
+            let rendered = render_text(input.name(), &text, &host, &limits, &options)?;
             format!("{} {}", rendered.image.hash(), rendered.scene.hash())
         };
         if args.files.len() > 1 {

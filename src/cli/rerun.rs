@@ -17,6 +17,7 @@ use super::{
 };
 use crate::{
     diag::{Diagnostic, Error, ErrorKind},
+    limits::Limits,
     output,
     parameters::Parameters,
     recipe::Recipe,
@@ -140,7 +141,7 @@ impl Again<'_> {
         };
         let mut options = RunOptions::from(parameters);
         options.render.threads = self.threads.map_or(0, usize::from);
-        let rendered = render_text(name, text, &host, &options)?;
+        let rendered = render_text(name, text, &host, &Limits::default(), &options)?;
         let earlier = rendered.earlier.into_iter().map(|picture| picture.image);
         let same = earlier.into_iter().find(|image| image.hash() == self.recipe.hash);
         Ok((same.unwrap_or(rendered.image), rendered.warnings))

@@ -138,7 +138,7 @@ fn share(place: Option<&Place>, sources: &[(String, String)], now: u64, before: 
 #[cfg(test)]
 mod tests {
     use super::{super::render_text, *};
-    use crate::{MemoryHost, RunOptions};
+    use crate::{Limits, MemoryHost, RunOptions};
 
     const BEFORE: &str = r#"
 size(40, 20); camera([0, 0, 10], [0, 0, 0], [0, 1, 0], 30); ambient(1, 1, 1);
@@ -150,7 +150,7 @@ pair::balls();
     fn rendered(text: &str) -> RenderedFile {
         let pair = "fn balls() {\n  define \"ball\" { sphere(0, 0, 0, 1); }\n  translate(3, 0, 0);\n  instance(\"ball\");\n}";
         let host = MemoryHost::new().with("pair.rhai", pair);
-        render_text("a.rhai", text, &host, &RunOptions::default()).unwrap()
+        render_text("a.rhai", text, &host, &Limits::default(), &RunOptions::default()).unwrap()
     }
 
     fn lines(shares: &[LineShare]) -> Vec<String> {

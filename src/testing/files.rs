@@ -96,7 +96,7 @@ pub fn intent(text: &str) -> Option<&str> {
 pub fn render_file(path: &Path, options: &RunOptions) -> Result<RenderedFile, Error> {
     let text = read_scene(path)?;
     let assets = DirHost::new(path.parent().unwrap_or(Path::new(".")));
-    render_text(&name_alone(path), &text, &assets, options)
+    render_text(&name_alone(path), &text, &assets, &Limits::default(), options)
 }
 
 /// What messages call a scene file in a test.
@@ -121,7 +121,7 @@ pub(crate) fn read_scene(path: &Path) -> Result<String, Error> {
     source::text(&name, bytes, &limits)
 }
 
-/// As [`render_file`], from a text and with any host for assets, progress and the wish to stop.
+/// As [`render_file`], from a text, under any limits, and with any host for assets, progress and the wish to stop.
 ///
 /// # Errors
 /// Whatever is wrong with the scene.
@@ -129,13 +129,14 @@ pub fn render_text(
     name: &str,
     text: &str,
     assets: &dyn Host,
+    limits: &Limits,
     options: &RunOptions,
 ) -> Result<RenderedFile, Error> {
     let host = TestHost {
         assets,
         seen: Mutex::default(),
     };
-    let run = source::load(name, text, &host, &Limits::default(), options)?;
+    let run = source::load(name, text, &host, limits, options)?;
     let (mut earlier, mut warnings) = (run.value.pictures, run.warnings);
     let image = match earlier.pop() {
         Some(last) => last.image,

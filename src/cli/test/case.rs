@@ -120,7 +120,13 @@ impl Test<'_> {
 
     fn render(&self, text: &str, parameters: &Parameters) -> Result<RenderedFile, Error> {
         let options = self.options(parameters);
-        render_text(&name_alone(self.scene), text, &self.host(), &options)
+        render_text(
+            &name_alone(self.scene),
+            text,
+            &self.host(),
+            &Limits::default(),
+            &options,
+        )
     }
 
     /// Looks into what is different.
@@ -177,7 +183,7 @@ impl Test<'_> {
             others: self.host(),
         };
         let options = self.options(&expected.parameters);
-        render_text(&name_alone(self.scene), text, &host, &options).ok()
+        render_text(&name_alone(self.scene), text, &host, &Limits::default(), &options).ok()
     }
 }
 

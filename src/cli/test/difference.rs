@@ -71,13 +71,19 @@ pub(super) fn source_changes(before: &[(String, String)], now: &[(String, String
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{NoHost, RunOptions, testing::render_text};
+    use crate::{Limits, NoHost, RunOptions, testing::render_text};
 
     fn scene(text: &str) -> Scene {
         let text = format!("size(4, 4); {text}");
-        render_text("a.rhai", &text, &NoHost, &RunOptions::default())
-            .unwrap()
-            .scene
+        render_text(
+            "a.rhai",
+            &text,
+            &NoHost,
+            &Limits::default(),
+            &RunOptions::default(),
+        )
+        .unwrap()
+        .scene
     }
 
     #[test]
