@@ -81,14 +81,14 @@ impl<const ANY: bool> Exact<'_, '_, '_, ANY> {
 
     fn shape(&mut self, index: u32, i: u32) -> bool {
         let placed = &self.level.shapes[i as usize];
-        if !placed.may_cross(self.ray, self.query.probe.t_min, self.query.best.t) {
+        let number = self.base + u64::from(index);
+        if !placed.may_cross(self.ray, self.query.probe.least(number), self.query.best.t) {
             return false;
         }
         let mut crossings = Crossings::default();
         placed
             .shape
             .crossings(&self.ray.transformed(&placed.object_from_level), &mut crossings);
-        let number = self.base + u64::from(index);
         let t_min = self.query.probe.drop_start(number, &mut crossings);
         crossings
             .first_within(t_min, f64::INFINITY)

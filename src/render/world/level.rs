@@ -92,7 +92,8 @@ impl PlacedShape {
         let leaves = least >= 0.0 && height * growth > 0.0;
         // Twice the distance, for the rounding of products and quotient.
         let too_far = height.abs() > 2.0 * least.abs().max(most.abs()) * growth.abs();
-        !(leaves || too_far)
+        let too_near = 2.0 * height.abs() < least * growth.abs();
+        !(leaves || too_far || too_near)
     }
 }
 
@@ -245,5 +246,52 @@ fn owned<T: Clone>(values: &Cow<'_, [T]>) -> usize {
     match values {
         Cow::Borrowed(_) => 0,
         Cow::Owned(values) => size_of_val(&**values),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::{
+        super::{query::Probe, tests::vector},
+        *,
+    };
+    use crate::{
+        math::rotation,
+        shape::{Crossings, Plane},
+    };
+
+    proptest! {
+        /// Rays that start on a plane, but for rounding, or anywhere, and leave it steeply or along it.
+        #[test]
+        fn a_plane_that_is_left_out_has_no_crossing_that_counts(
+            (axis, place, origin, dir) in (vector(1.0), vector(9.0), vector(9.0), vector(1.0)),
+            (angle, height, growth) in (0.0..360.0f64, -18.0..1.0f64, -18.0..1.0f64),
+            (is_start, below, down) in any::<(bool, bool, bool)>(),
+            most in prop_oneof![Just(f64::INFINITY), 1e-9..20.0f64],
+        ) {
+            prop_assume!(axis.length() > 1e-3);
+            let level_from_object = DAffine3::from_mat3_translation(rotation(axis.normalize(), angle), place);
+            let sign = |negative: bool| if negative { -1.0 } else { 1.0 };
+            let origin = DVec3::new(origin.x, sign(below) * crate::math::pow(10.0, height), origin.z);
+            let dir = DVec3::new(dir.x, sign(down) * crate::math::pow(10.0, growth), dir.z).normalize();
+            let ray = Ray::new(
+                level_from_object.transform_point3(origin),
+                level_from_object.transform_vector3(dir),
+            );
+            let placed = PlacedShape {
+                shape: Shape::Plane(Plane),
+                object_from_level: level_from_object.inverse(),
+                object: 0,
+            };
+            let number = 7;
+            let probe = Probe::from_surface(ray, if is_start { number } else { 8 }, 0.0);
+            let mut crossings = Crossings::default();
+            placed.shape.crossings(&ray.transformed(&placed.object_from_level), &mut crossings);
+            let t_min = probe.drop_start(number, &mut crossings);
+            let counts = crossings.first_within(t_min, f64::INFINITY).is_some_and(|c| c.t <= most);
+            prop_assert!(!counts || placed.may_cross(&ray, probe.least(number), most));
+        }
     }
 }

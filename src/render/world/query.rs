@@ -74,6 +74,15 @@ impl Probe {
         number == self.start
     }
 
+    /// No crossing of a primitive that has but one counts at or before this.
+    pub(super) fn least(&self, number: u64) -> f64 {
+        if self.starts_on(number) {
+            self.t_self
+        } else {
+            self.t_min
+        }
+    }
+
     /// Drops the start from its own primitive's crossings. The least distance that counts for this primitive.
     pub(super) fn drop_start(&self, number: u64, crossings: &mut Crossings) -> f64 {
         if !self.starts_on(number) {

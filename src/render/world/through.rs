@@ -424,7 +424,7 @@ impl<'a, 's, C: Census> Walk<'a, 's, C> {
             }
             Primitive::Shape(i) => {
                 let placed = &self.level.shapes[i as usize];
-                if !placed.may_cross(self.ray, self.probe.t_min, self.census.reach()) {
+                if !placed.may_cross(self.ray, self.probe.least(number), self.census.reach()) {
                     return Control::Continue;
                 }
                 let ray = self.ray.transformed(&placed.object_from_level);
