@@ -162,7 +162,7 @@ pair::balls();
     fn a_pixel_leads_to_the_calls_that_made_what_it_shows() {
         let before = rendered(BEFORE);
         let of = |pixel| lines(&changed_lines(&before, None, &[pixel]).unwrap());
-        assert_eq!(of((0, 0)), [": the background 0->1"]);
+        assert_eq!(of((0, 0)), [":0 the background 0->1"]);
         assert_eq!(
             of((8, 10)),
             ["a.rhai:4 group { translate(-3, 0, 0); box(2, 2, 2); } 0->1"]

@@ -96,9 +96,9 @@ mod tests {
         assert_eq!(
             scene_changes(&before, &changed),
             [
-                "- object 1 sphere { center: (1, 0, 0), radius: 1.0 } material 0 at 3:1",
+                "- object 1 sphere { center: (1, 0, 0), radius: 1 } material 0 at 3:1",
                 "- light 0 point 1 2 3 color 1 1 1 at 1:13",
-                "+ object 0 sphere { center: (1, 0, 0), radius: 2.0 } material 0 at 1:13",
+                "+ object 0 sphere { center: (1, 0, 0), radius: 2 } material 0 at 1:13",
                 "+ light 0 point 1 2 4 color 1 1 1 at 2:1",
             ]
         );
