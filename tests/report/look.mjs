@@ -178,9 +178,11 @@ try {
       await page.keyboard.press("k");
       assert.equal(await current(), "case-0");
     }
-    await page.waitForTimeout(600);
-    const [top, first] = await Promise.all([".top", "#case-0"].map(name => page.locator(name).boundingBox()));
-    assert.ok(first.y >= top.y + top.height, "the bar hides the case");
+    // The page scrolls there smoothly, on a busy machine slowly.
+    await page.waitForFunction(() => {
+      const [top, first] = [".top", "#case-0"].map(name => document.querySelector(name).getBoundingClientRect());
+      return first.y >= top.y + top.height;
+    });
     await page.locator(".keys summary").click();
     await shot(page, "10-first-case");
     await page.locator(".keys summary").click();
