@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use super::range;
 use crate::parameters::{Parameters, parse_size};
 
 const AFTER_HELP: &str = "\
@@ -35,6 +36,11 @@ rendered in the size on record; a new one in its own size, but at most 320 pixel
 
 Exit codes: 0 all as on record, 1 something changed, is new or fails, 2 usage, 3 a path is missing, 4 a report or \
 a snapshot cannot be written, 130, 143, 129 stopped by a signal.";
+
+const AFTER_SWEEP: &str = "\
+Examples:
+  rtscript sweep scene.rhai -D radius=0.1..1:10                 ten pictures
+  rtscript sweep scene.rhai -D radius=0.1..1:5 -D seed=1..4 --grid --size 160x120";
 
 /// Renders pictures that are written as code.
 ///
@@ -68,6 +74,9 @@ pub(super) enum Command {
     Test(TestArgs),
     /// List the parameters that a script declares
     Params(ParamsArgs),
+    /// Render a script for many values of its parameters
+    #[command(after_help = AFTER_SWEEP)]
+    Sweep(SweepArgs),
     /// Render again what a PNG was made from, which rtscript writes into it
     Rerun(RerunArgs),
     /// Check that PNGs are what the scripts they carry give
@@ -263,6 +272,42 @@ pub(super) struct ParamsArgs {
 }
 
 #[derive(Debug, Args)]
+pub(super) struct SweepArgs {
+    /// The script, or - for standard input
+    #[arg(value_name = "FILE")]
+    pub(super) file: PathBuf,
+
+    /// Values of a parameter: 0.1..1:10 are ten from 0.1 to 1, 1..4 the whole numbers from 1 to 4, a,b,c these three
+    #[arg(short = 'D', long = "define", value_name = "NAME=VALUES", required = true, value_parser = parse_values)]
+    pub(super) define: Vec<(String, Vec<String>)>,
+
+    /// All pictures on one sheet, each with its values below; those of the last parameter stand in a row
+    #[arg(long)]
+    pub(super) grid: bool,
+
+    /// The folder for the pictures, or with --grid the file for the sheet [default: the current folder, the script's
+    /// name with -sweep.png]
+    #[arg(short, long, value_name = "PATH")]
+    pub(super) output: Option<PathBuf>,
+
+    /// Size of each picture in pixels, such as 160x120, in place of the scene's
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub(super) size: Option<(u32, u32)>,
+
+    /// Rays per pixel, in place of the scene's
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(super) samples: Option<u32>,
+
+    /// Threads to render with; the pictures are the same for any number [default: one for each processor]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(super) threads: Option<u16>,
+
+    /// Only errors
+    #[arg(short, long)]
+    pub(super) quiet: bool,
+}
+
+#[derive(Debug, Args)]
 pub(super) struct RerunArgs {
     /// A PNG that rtscript wrote
     #[arg(value_name = "FILE")]
@@ -328,6 +373,18 @@ fn parse_define(text: &str) -> Result<(String, String), String> {
         .ok_or("expected NAME=VALUE, such as radius=0.5")?;
     Parameters::default().set(name, value)?;
     Ok((name.to_owned(), value.to_owned()))
+}
+
+/// `radius=0.1..1:10` to the name and all values.
+fn parse_values(text: &str) -> Result<(String, Vec<String>), String> {
+    let (name, list) = text
+        .split_once('=')
+        .ok_or("expected NAME=VALUES, such as radius=0.1..1:10")?;
+    let values = range::values(list)?;
+    for value in &values {
+        Parameters::default().set(name, value)?;
+    }
+    Ok((name.to_owned(), values))
 }
 
 /// A share of 1.

@@ -13,10 +13,13 @@ mod job;
 mod params;
 mod picture;
 mod progress;
+mod range;
 mod report;
 mod rerun;
+mod sheet;
 mod signals;
 mod stats;
+mod sweep;
 mod test;
 
 use std::{
@@ -67,6 +70,11 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
         Some(Command::Rerun(args)) => {
             let reporter = Reporter::new(false);
             let result = guard::guarded(|| rerun::rerun(&args, &signals, reporter));
+            finish(result, reporter, &signals)
+        }
+        Some(Command::Sweep(args)) => {
+            let reporter = Reporter::new(args.quiet);
+            let result = guard::guarded(|| sweep::sweep(&args, &signals, reporter));
             finish(result, reporter, &signals)
         }
         Some(Command::Verify(args)) => {

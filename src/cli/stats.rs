@@ -158,6 +158,14 @@ pub(super) fn peak_memory() -> Option<u64> {
     Some(kibibytes * 1024)
 }
 
+/// `1 picture`, `12 pictures`.
+pub(super) fn pictures(count: usize) -> String {
+    match count {
+        1 => "1 picture".to_owned(),
+        n => format!("{n} pictures"),
+    }
+}
+
 fn per_second(count: u64, time: Duration) -> f64 {
     let seconds = time.as_secs_f64();
     if seconds > 0.0 {

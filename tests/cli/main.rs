@@ -10,6 +10,7 @@ mod pictures;
 mod recipes;
 mod scripts;
 mod snapshots;
+mod sweep;
 #[cfg(unix)]
 mod system;
 mod usage;
