@@ -92,7 +92,6 @@ pub fn line(path: &str, name: &str, bytes: Vec<u8>, assets: &dyn Host, options: 
     let mut limits = Limits::default();
     limits.script_time = Duration::from_secs(3600);
     let rendered = source::text(name, bytes, &limits)
-        .map_err(Error::from)
         .and_then(|text| render_text(name, &text, assets, &limits, &options));
     match rendered {
         Ok(rendered) => {
