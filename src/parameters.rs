@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, fmt, str::FromStr};
 
-use crate::{diag::SourceLoc, recipe::unquoted};
+use crate::diag::SourceLoc;
 
 /// Names that every scene has and that no script can declare.
 pub const RESERVED: [&str; 3] = ["size", "samples", "seed"];
@@ -125,6 +125,34 @@ fn closing_quote(text: &str) -> Option<usize> {
         escaped = c == '\\' && !escaped;
         closes.then_some(i)
     })
+}
+
+/// What `{:?}` made of a text, undone.
+pub(crate) fn unquoted(text: &str) -> Option<String> {
+    let inner = text.strip_prefix('"')?.strip_suffix('"')?;
+    let mut plain = String::new();
+    let mut chars = inner.chars();
+    while let Some(c) = chars.next() {
+        if c != '\\' {
+            plain.push(c);
+            continue;
+        }
+        plain.push(match chars.next()? {
+            'n' => '\n',
+            'r' => '\r',
+            't' => '\t',
+            '0' => '\0',
+            'u' => {
+                let rest = chars.as_str().strip_prefix('{')?;
+                let (digits, after) = rest.split_once('}')?;
+                chars = after.chars();
+                char::from_u32(u32::from_str_radix(digits, 16).ok()?)?
+            }
+            c @ ('"' | '\\' | '\'') => c,
+            _ => return None,
+        });
+    }
+    Some(plain)
 }
 
 /// `640x480` to its two numbers, both at least 1.
@@ -251,5 +279,15 @@ mod tests {
         let said: Parameters = "seed=1 a=2".parse().unwrap();
         let rest: Parameters = "size=3x4 seed=5 a=6 b=7".parse().unwrap();
         assert_eq!(said.or(&rest).to_string(), "size=3x4 seed=1 a=2 b=7");
+    }
+
+    #[test]
+    fn quotes_are_undone() {
+        for text in ["", "a\\b\"c'", "\u{0}\u{1b}\u{202e}\t\r\n", "é日本"] {
+            assert_eq!(unquoted(&format!("{text:?}")).as_deref(), Some(text));
+        }
+        for bad in ["", "\"", "a", "\"\\", "\"\\q\"", "\"\\u{110000}\"", "\"\\u41\""] {
+            assert_eq!(unquoted(bad), None, "{bad}");
+        }
     }
 }

@@ -18,7 +18,7 @@ use std::fmt::Write as _;
 
 use png::text_metadata::ITXtChunk;
 
-use crate::parameters::Parameters;
+use crate::parameters::{Parameters, unquoted};
 
 /// Keyword of the text chunk.
 const KEYWORD: &str = "rtscript recipe";
@@ -126,34 +126,6 @@ impl Recipe {
     }
 }
 
-/// What `{:?}` made of a text, undone.
-pub(crate) fn unquoted(text: &str) -> Option<String> {
-    let inner = text.strip_prefix('"')?.strip_suffix('"')?;
-    let mut plain = String::new();
-    let mut chars = inner.chars();
-    while let Some(c) = chars.next() {
-        if c != '\\' {
-            plain.push(c);
-            continue;
-        }
-        plain.push(match chars.next()? {
-            'n' => '\n',
-            'r' => '\r',
-            't' => '\t',
-            '0' => '\0',
-            'u' => {
-                let rest = chars.as_str().strip_prefix('{')?;
-                let (digits, after) = rest.split_once('}')?;
-                chars = after.chars();
-                char::from_u32(u32::from_str_radix(digits, 16).ok()?)?
-            }
-            c @ ('"' | '\\' | '\'') => c,
-            _ => return None,
-        });
-    }
-    Some(plain)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -198,15 +170,5 @@ mod tests {
         assert_eq!(Recipe::of_png(&plain), None);
         assert_eq!(Recipe::of_png(&bytes[..50]), None);
         assert_eq!(Recipe::of_png(b"no picture"), None);
-    }
-
-    #[test]
-    fn quotes_are_undone() {
-        for text in ["", "a\\b\"c'", "\u{0}\u{1b}\u{202e}\t\r\n", "é日本"] {
-            assert_eq!(unquoted(&format!("{text:?}")).as_deref(), Some(text));
-        }
-        for bad in ["", "\"", "a", "\"\\", "\"\\q\"", "\"\\u{110000}\"", "\"\\u41\""] {
-            assert_eq!(unquoted(bad), None, "{bad}");
-        }
     }
 }

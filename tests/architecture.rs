@@ -29,7 +29,7 @@ const MAY_NAME: [(&str, &[&str]); 19] = [
         "import",
         &["math", "color", "diag", "host", "limits", "scene", "shape"],
     ),
-    ("parameters", &[]),
+    ("parameters", &["diag"]),
     ("recipe", &["parameters"]),
     ("output", &["diag", "host", "render", "recipe"]),
     (

@@ -60,6 +60,26 @@ pub(super) struct Cli {
 
     #[command(flatten)]
     pub(super) render: RenderArgs,
+
+    /// How errors, warnings and other messages look on standard error
+    #[arg(
+        long,
+        global = true,
+        value_name = "FORMAT",
+        default_value = "text",
+        hide_default_value = true
+    )]
+    pub(super) message_format: MessageFormat,
+}
+
+/// How messages look.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum MessageFormat {
+    /// For people
+    #[default]
+    Text,
+    /// For programs: a line of JSON for each message
+    Json,
 }
 
 #[derive(Debug, Subcommand)]

@@ -123,7 +123,7 @@ impl Job {
         let host = CliHost::new(
             &self.input,
             Arc::clone(signals),
-            ProgressLine::new(!args.quiet),
+            ProgressLine::new(reporter.is_for_people()),
             matches!(self.target, Target::Stdout),
             recipe,
         );
@@ -211,10 +211,10 @@ impl Job {
             stages,
             peak_memory: stats::peak_memory(),
         };
-        reporter.write(&match format {
-            StatsFormat::Text => stats.text(),
-            StatsFormat::Json => stats.json(),
-        });
+        match format {
+            StatsFormat::Text => reporter.write(&stats.text()),
+            StatsFormat::Json => reporter.write_line(&stats.json()),
+        }
     }
 
     /// Says which signal stopped the run, in place of the library's "the host asked to stop".

@@ -33,7 +33,7 @@ use std::{
 use clap::{CommandFactory, Parser, error::ErrorKind as UsageError};
 
 use self::{
-    args::{Cli, Command, RenderArgs, TestArgs},
+    args::{Cli, Command, MessageFormat, RenderArgs, TestArgs},
     input::Input,
     job::{Job, Target},
     report::Reporter,
@@ -53,70 +53,76 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
         Err(error) => return usage(&error),
     };
     guard::silence();
-    let signals = Signals::install();
+    let context = Context {
+        signals: Signals::install(),
+        format: cli.message_format,
+    };
     match cli.command {
-        Some(Command::Convert(args)) => {
-            let result = guard::guarded(|| convert::convert(&args));
-            finish(result, Reporter::new(false), &signals)
-        }
-        Some(Command::Hash(args)) => {
-            let result = guard::guarded(|| hash::hash(&args, &signals));
-            finish(result, Reporter::new(false), &signals)
-        }
-        Some(Command::Params(args)) => {
-            let result = guard::guarded(|| params::params(&args, &signals));
-            finish(result, Reporter::new(false), &signals)
-        }
+        Some(Command::Convert(args)) => context.finish(false, |_, _| convert::convert(&args)),
+        Some(Command::Hash(args)) => context.finish(false, |signals, _| hash::hash(&args, signals)),
+        Some(Command::Params(args)) => context.finish(false, |signals, _| params::params(&args, signals)),
         Some(Command::Rerun(args)) => {
-            let reporter = Reporter::new(false);
-            let result = guard::guarded(|| rerun::rerun(&args, &signals, reporter));
-            finish(result, reporter, &signals)
-        }
-        Some(Command::Sweep(args)) => {
-            let reporter = Reporter::new(args.quiet);
-            let result = guard::guarded(|| sweep::sweep(&args, &signals, reporter));
-            finish(result, reporter, &signals)
+            context.finish(false, |signals, reporter| rerun::rerun(&args, signals, reporter))
         }
         Some(Command::Verify(args)) => {
-            let reporter = Reporter::new(false);
-            let result = guard::guarded(|| rerun::verify(&args, &signals, reporter));
-            finish(result, reporter, &signals)
+            context.finish(false, |signals, reporter| rerun::verify(&args, signals, reporter))
         }
-        Some(Command::Test(args)) => test(&args, &signals),
-        Some(Command::Render(args)) => render(&args, &signals),
-        None => render(&cli.render, &signals),
+        Some(Command::Sweep(args)) => context.finish(args.quiet, |signals, reporter| {
+            sweep::sweep(&args, signals, reporter)
+        }),
+        Some(Command::Test(args)) => context.test(&args),
+        Some(Command::Render(args)) => context.render(&args),
+        None => context.render(&cli.render),
     }
 }
 
-/// Renders all files; one that fails does not keep the others from being rendered. The exit code is that of the
-/// first that failed.
-fn render(args: &RenderArgs, signals: &Arc<Signals>) -> u8 {
-    let jobs = match jobs(args) {
-        Ok(jobs) => jobs,
-        Err(message) => return usage(&Cli::command().error(UsageError::ArgumentConflict, message)),
-    };
-    let reporter = Reporter::new(args.quiet);
-    let mut code = 0;
-    for job in &jobs {
-        let result = guard::guarded(|| job.run(args, signals, reporter));
-        let this = finish(result, reporter, signals);
-        code = if code == 0 { this } else { code };
-        if signals.caught().is_some() {
-            break;
-        }
-    }
-    code
+/// What every command works with.
+struct Context {
+    signals: Arc<Signals>,
+    format: MessageFormat,
 }
 
-/// Tests scenes. That some do not pass is said by the code 1, as for a scene that cannot be rendered.
-fn test(args: &TestArgs, signals: &Arc<Signals>) -> u8 {
-    if let Err(message) = args.check() {
-        return usage(&Cli::command().error(UsageError::ArgumentConflict, message));
+impl Context {
+    /// Runs a command, reports its error and gives the exit code.
+    fn finish(&self, quiet: bool, command: impl FnOnce(&Arc<Signals>, Reporter) -> Result<(), Error>) -> u8 {
+        self.answer(quiet, |signals, reporter| command(signals, reporter).map(|()| 0))
     }
-    let reporter = Reporter::new(args.quiet);
-    match guard::guarded(|| test::run(args, signals, reporter)) {
-        Ok(all_passed) => u8::from(!all_passed),
-        error => finish(error.map(drop), reporter, signals),
+
+    /// As [`Context::finish`], for a command that chooses its exit code.
+    fn answer(&self, quiet: bool, command: impl FnOnce(&Arc<Signals>, Reporter) -> Result<u8, Error>) -> u8 {
+        let reporter = Reporter::new(quiet, self.format);
+        guard::guarded(|| command(&self.signals, reporter)).unwrap_or_else(|error| {
+            reporter.error(&error);
+            exit_code(error.kind(), self.signals.caught())
+        })
+    }
+
+    /// Renders all files; one that fails does not keep the others from being rendered. The exit code is that of the
+    /// first that failed.
+    fn render(&self, args: &RenderArgs) -> u8 {
+        let jobs = match jobs(args) {
+            Ok(jobs) => jobs,
+            Err(message) => return usage(&Cli::command().error(UsageError::ArgumentConflict, message)),
+        };
+        let mut code = 0;
+        for job in &jobs {
+            let this = self.finish(args.quiet, |signals, reporter| job.run(args, signals, reporter));
+            code = if code == 0 { this } else { code };
+            if self.signals.caught().is_some() {
+                break;
+            }
+        }
+        code
+    }
+
+    /// Tests scenes. That some do not pass is said by the code 1, as for a scene that cannot be rendered.
+    fn test(&self, args: &TestArgs) -> u8 {
+        if let Err(message) = args.check() {
+            return usage(&Cli::command().error(UsageError::ArgumentConflict, message));
+        }
+        self.answer(args.quiet, |signals, reporter| {
+            test::run(args, signals, reporter).map(|all_passed| u8::from(!all_passed))
+        })
     }
 }
 
@@ -176,13 +182,6 @@ fn usage(error: &clap::Error) -> u8 {
     // Where the terminal is closed, nobody is left to tell.
     let _ = error.print();
     u8::try_from(error.exit_code()).unwrap_or(2)
-}
-
-/// Reports an error and gives the exit code.
-fn finish(result: Result<(), Error>, reporter: Reporter, signals: &Signals) -> u8 {
-    let Err(error) = result else { return 0 };
-    reporter.error(&error);
-    exit_code(error.kind(), signals.caught())
 }
 
 /// The one place where an error becomes an exit code; `signal` is the number of the signal that came, if one did.

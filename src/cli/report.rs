@@ -4,7 +4,10 @@ use std::io::Write;
 
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 
-use crate::diag::{Diagnostic, Error, Severity};
+use serde_json::json;
+
+use super::args::MessageFormat;
+use crate::diag::{Diagnostic, Error, ErrorKind, Severity};
 
 /// Longest message shown, in characters: a script can throw a text of megabytes.
 const MESSAGE: usize = 4_000;
@@ -13,12 +16,18 @@ const MESSAGE: usize = 4_000;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reporter {
     quiet: bool,
+    format: MessageFormat,
 }
 
 impl Reporter {
     /// A reporter; `quiet` ones show errors only.
-    pub(super) fn new(quiet: bool) -> Self {
-        Self { quiet }
+    pub(super) fn new(quiet: bool, format: MessageFormat) -> Self {
+        Self { quiet, format }
+    }
+
+    /// Whether people read it, so that a progress line is of use.
+    pub(super) fn is_for_people(self) -> bool {
+        !self.quiet && self.format == MessageFormat::Text
     }
 
     /// Shows the error after the warnings that came before it.
@@ -36,7 +45,10 @@ impl Reporter {
 
     fn show(self, diagnostic: &Diagnostic) {
         if !(self.quiet && diagnostic.severity == Severity::Warning) {
-            self.write(&text(diagnostic, &Renderer::styled()));
+            self.write_line(&match self.format {
+                MessageFormat::Text => text(diagnostic, &Renderer::styled()),
+                MessageFormat::Json => as_json(diagnostic).to_string(),
+            });
         }
     }
 
@@ -49,9 +61,48 @@ impl Reporter {
 
     /// Writes a line in any case.
     pub(super) fn write(self, text: &str) {
+        match self.format {
+            MessageFormat::Text => self.write_line(text),
+            MessageFormat::Json => {
+                self.write_line(&json!({ "severity": "info", "message": text }).to_string())
+            }
+        }
+    }
+
+    /// Writes a line that is JSON already where JSON is wanted.
+    pub(super) fn write_line(self, text: &str) {
         // Where standard error is closed, nobody is left to tell.
         let _ = writeln!(anstream::stderr().lock(), "{text}");
     }
+}
+
+/// The diagnostic as one object. Without a place, file, line and column are null.
+fn as_json(diagnostic: &Diagnostic) -> serde_json::Value {
+    let severity = match diagnostic.severity {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+    };
+    let kind = match diagnostic.kind {
+        ErrorKind::Script => "script",
+        ErrorKind::Input => "input",
+        ErrorKind::Output => "output",
+        ErrorKind::Limit => "limit",
+        ErrorKind::Denied => "denied",
+        ErrorKind::Cancelled => "cancelled",
+        ErrorKind::Internal => "internal",
+    };
+    let known = |n: u32| (n > 0).then_some(n);
+    json!({
+        "severity": severity,
+        "kind": kind,
+        "message": diagnostic.message,
+        "file": diagnostic.file.as_deref(),
+        "line": known(diagnostic.line),
+        "column": known(diagnostic.column),
+        "source": diagnostic.source_line,
+        "notes": diagnostic.notes,
+        "hints": diagnostic.hints,
+    })
 }
 
 /// The diagnostic as text of several lines, without a line end.

@@ -2,6 +2,8 @@
 
 use std::{fmt::Write as _, time::Duration};
 
+use serde_json::json;
+
 use crate::render::{Image, RenderStats};
 
 /// Time of each stage of one scene.
@@ -122,9 +124,9 @@ impl Stats {
                 r#""rays_per_second":{:.0},"primitives":{},"invalid_samples":{},"world_bytes":{},"#,
                 r#""peak_memory_bytes":{}}}"#
             ),
-            json_text(&self.scene),
-            json_text(&self.output),
-            json_text(&self.hash),
+            json!(self.scene),
+            json!(self.output),
+            json!(self.hash),
             self.size.0,
             self.size.1,
             self.pictures,
@@ -205,22 +207,6 @@ pub(super) fn time(duration: Duration) -> String {
     }
 }
 
-/// A JSON string.
-fn json_text(text: &str) -> String {
-    let mut json = String::from('"');
-    for c in text.chars() {
-        match c {
-            '"' | '\\' => json.extend(['\\', c]),
-            c if c.is_control() => {
-                let _ = write!(json, "\\u{:04x}", u32::from(c));
-            }
-            c => json.push(c),
-        }
-    }
-    json.push('"');
-    json
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -246,11 +232,6 @@ mod tests {
             ]
         );
         assert_eq!(rate(5, Duration::ZERO), "0 rays/s");
-    }
-
-    #[test]
-    fn names_are_escaped_in_json() {
-        assert_eq!(json_text("a\"b\\c\n"), "\"a\\\"b\\\\c\\u000a\"");
     }
 
     #[cfg(target_os = "linux")]

@@ -7,8 +7,7 @@ use super::{
     snapshot::{GRID, Look},
 };
 use crate::{
-    parameters::Parameters,
-    recipe::unquoted,
+    parameters::{Parameters, unquoted},
     scene::{Geometry, Scene},
 };
 

@@ -5,6 +5,7 @@
 mod course;
 mod files;
 mod flags;
+mod messages;
 mod params;
 mod pictures;
 mod recipes;
