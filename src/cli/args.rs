@@ -92,6 +92,10 @@ pub(super) enum Command {
     /// Compare scenes with their snapshots, or put them on record
     #[command(after_help = AFTER_TEST)]
     Test(TestArgs),
+    /// Write a starter scene
+    New(NewArgs),
+    /// Say whether scenes are sound, without rendering them
+    Check(CheckArgs),
     /// List the parameters that a script declares
     Params(ParamsArgs),
     /// Render a script for many values of its parameters
@@ -152,18 +156,32 @@ pub(super) struct Overrides {
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(super) seed: Option<u64>,
 
-    /// Value of a parameter that the script declares by param(name, default); rtscript params lists them
-    #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = parse_define)]
-    pub(super) define: Vec<(String, String)>,
+    #[command(flatten)]
+    pub(super) define: Defines,
 }
 
-impl Overrides {
+/// Parameters of the script.
+#[derive(Debug, Args)]
+pub(super) struct Defines {
+    /// Value of a parameter that the script declares by param(name, default); rtscript params lists them
+    #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = parse_define)]
+    define: Vec<(String, String)>,
+}
+
+impl Defines {
     pub(super) fn parameters(&self) -> Parameters {
         let mut parameters = Parameters::default();
         for (name, value) in &self.define {
             // What cannot be set was refused when it was parsed.
             let _ = parameters.set(name, value);
         }
+        parameters
+    }
+}
+
+impl Overrides {
+    pub(super) fn parameters(&self) -> Parameters {
+        let mut parameters = self.define.parameters();
         parameters.size = self.size.or(parameters.size);
         parameters.samples = self.samples.or(parameters.samples);
         parameters.seed = self.seed.or(parameters.seed);
@@ -277,6 +295,27 @@ pub(super) enum TerminalPictures {
 }
 
 #[derive(Debug, Args)]
+pub(super) struct NewArgs {
+    /// Name of the scene: without an ending, .rhai is added
+    #[arg(value_name = "NAME")]
+    pub(super) name: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct CheckArgs {
+    /// Scenes to look at: scripts (.rhai) or course scenes (.test), or - for a script on standard input
+    #[arg(value_name = "FILE", required = true)]
+    pub(super) files: Vec<PathBuf>,
+
+    #[command(flatten)]
+    pub(super) define: Defines,
+
+    /// Only errors
+    #[arg(short, long)]
+    pub(super) quiet: bool,
+}
+
+#[derive(Debug, Args)]
 pub(super) struct ParamsArgs {
     /// The script, or - for standard input
     #[arg(value_name = "FILE")]
@@ -286,9 +325,8 @@ pub(super) struct ParamsArgs {
     #[arg(long)]
     pub(super) json: bool,
 
-    /// Value of a parameter: those of others may depend on it
-    #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = parse_define)]
-    pub(super) define: Vec<(String, String)>,
+    #[command(flatten)]
+    pub(super) define: Defines,
 }
 
 #[derive(Debug, Args)]

@@ -4,12 +4,14 @@
 //! error. The library underneath never prints and opens no file.
 
 mod args;
+mod check;
 mod convert;
 mod guard;
 mod hash;
 mod host;
 mod input;
 mod job;
+mod new;
 mod params;
 mod picture;
 mod progress;
@@ -59,6 +61,10 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
     };
     match cli.command {
         Some(Command::Convert(args)) => context.finish(false, |_, _| convert::convert(&args)),
+        Some(Command::New(args)) => context.finish(false, |_, reporter| new::new(&args, reporter)),
+        Some(Command::Check(args)) => context.finish(args.quiet, |signals, reporter| {
+            check::check(&args, signals, reporter)
+        }),
         Some(Command::Hash(args)) => context.finish(false, |signals, _| hash::hash(&args, signals)),
         Some(Command::Params(args)) => context.finish(false, |signals, _| params::params(&args, signals)),
         Some(Command::Rerun(args)) => {

@@ -7,13 +7,7 @@ use serde_json::json;
 use super::{
     args::ParamsArgs, host::SilentHost, input::Input, signals::Signals, without_place, write_stdout,
 };
-use crate::{
-    diag::Error,
-    limits::Limits,
-    parameters::{Declared, Parameters},
-    script::RunOptions,
-    source,
-};
+use crate::{diag::Error, limits::Limits, parameters::Declared, script::RunOptions, source};
 
 /// Runs the script, its own pictures one pixel large, and lists the parameters that it declared.
 ///
@@ -25,12 +19,8 @@ pub(super) fn params(args: &ParamsArgs, signals: &Arc<Signals>) -> Result<(), Er
     signals.arm(false);
     let text = input.read(&limits)?;
     signals.arm(true);
-    let mut parameters = Parameters::default();
+    let mut parameters = args.define.parameters();
     (parameters.size, parameters.samples) = (Some((1, 1)), Some(1));
-    for (name, value) in &args.define {
-        // What cannot be set was refused when it was parsed.
-        let _ = parameters.set(name, value);
-    }
     let host = SilentHost::new(input.folder(), Arc::clone(signals));
     let run = source::load(
         input.name(),

@@ -161,6 +161,26 @@ impl Scene {
         &self.groups[ROOT_GROUP.index()]
     }
 
+    /// What there is in it, with how many: all groups together, instances not counted out. What there is none of is
+    /// left out.
+    #[must_use]
+    pub fn holds(&self) -> Vec<(&'static str, u64)> {
+        let objects = || self.groups.iter().flat_map(|group| &group.objects);
+        let instances = objects().filter(|object| matches!(object.geometry, Geometry::Instance(_)));
+        let faces: usize = self.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+        let lists = [
+            ("objects", objects().count()),
+            ("instances", instances.count()),
+            ("groups", self.groups.len() - 1),
+            ("triangles", faces + self.triangles.len()),
+            ("lights", self.groups.iter().map(|group| group.lights.len()).sum()),
+            ("materials", self.materials.len()),
+            ("textures", self.textures.len()),
+        ];
+        let held = lists.into_iter().filter(|(_, count)| *count > 0);
+        held.map(|(what, count)| (what, count as u64)).collect()
+    }
+
     /// World (or group) from object of an object.
     #[must_use]
     pub fn world_from_object(&self, object: &Object) -> DAffine3 {

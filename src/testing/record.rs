@@ -6,10 +6,7 @@ use super::{
     RenderedFile,
     snapshot::{GRID, Look},
 };
-use crate::{
-    parameters::{Parameters, unquoted},
-    scene::{Geometry, Scene},
-};
+use crate::parameters::{Parameters, unquoted};
 
 const HEAD: &str = "rtscript snapshot 1";
 
@@ -51,7 +48,7 @@ pub struct Snapshot {
     pub hash: String,
     /// [`Scene::hash`] of the scene it shows.
     pub scene: String,
-    /// What the scene holds, with how many: lists without entries are left out.
+    /// [`Scene::holds`].
     pub holds: Vec<(String, u64)>,
     /// What the picture looks like.
     pub look: Look,
@@ -81,7 +78,12 @@ impl Snapshot {
             samples: rendered.scene.settings.samples,
             hash: image.hash(),
             scene: rendered.scene.hash(),
-            holds: holds(&rendered.scene),
+            holds: rendered
+                .scene
+                .holds()
+                .into_iter()
+                .map(|(what, count)| (what.to_owned(), count))
+                .collect(),
             look: Look::of(image),
             earlier: earlier.collect(),
             warnings: rendered.warnings.iter().map(ToString::to_string).collect(),
@@ -229,28 +231,6 @@ impl fmt::Display for Snapshot {
         }
         Ok(())
     }
-}
-
-/// What the scene holds: all groups together, instances not counted out.
-fn holds(scene: &Scene) -> Vec<(String, u64)> {
-    let objects = || scene.groups.iter().flat_map(|group| &group.objects);
-    let instances = objects().filter(|object| matches!(object.geometry, Geometry::Instance(_)));
-    let faces: usize = scene.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
-    let lists = [
-        ("objects", objects().count()),
-        ("instances", instances.count()),
-        ("groups", scene.groups.len() - 1),
-        ("triangles", faces + scene.triangles.len()),
-        (
-            "lights",
-            scene.groups.iter().map(|group| group.lights.len()).sum(),
-        ),
-        ("materials", scene.materials.len()),
-        ("textures", scene.textures.len()),
-    ];
-    let held = lists.into_iter().filter(|(_, count)| *count > 0);
-    held.map(|(name, count)| (name.to_owned(), count as u64))
-        .collect()
 }
 
 #[cfg(test)]

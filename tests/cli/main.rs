@@ -11,6 +11,7 @@ mod pictures;
 mod recipes;
 mod scripts;
 mod snapshots;
+mod starts;
 mod sweep;
 #[cfg(unix)]
 mod system;
