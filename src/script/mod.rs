@@ -19,7 +19,7 @@ mod value;
 mod vocabulary;
 
 pub use table::{Entry, Group, Kind, Param, entries, entry};
-pub use vocabulary::{CONSTANTS, Constant, PROPERTIES, Property};
+pub use vocabulary::{CONSTANTS, Constant, EXAMPLE_FILES, PROPERTIES, Property};
 
 use std::{
     any::Any,

@@ -35,6 +35,41 @@ pub enum Group {
     Random,
 }
 
+impl Group {
+    /// All groups, in the order of the reference.
+    pub const ALL: [Self; 11] = [
+        Self::Camera,
+        Self::Transform,
+        Self::Shapes,
+        Self::Materials,
+        Self::Assets,
+        Self::Lights,
+        Self::Output,
+        Self::Parameters,
+        Self::Vectors,
+        Self::Maths,
+        Self::Random,
+    ];
+
+    /// Its heading in the reference.
+    #[must_use]
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::Camera => "Picture and camera",
+            Self::Transform => "Transformations and blocks",
+            Self::Shapes => "Shapes",
+            Self::Materials => "Materials and colors",
+            Self::Assets => "Meshes and pictures from files",
+            Self::Lights => "Lights",
+            Self::Output => "Rendering",
+            Self::Parameters => "Parameters",
+            Self::Vectors => "Vectors",
+            Self::Maths => "Numbers",
+            Self::Random => "Random numbers and noise",
+        }
+    }
+}
+
 /// What a parameter takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -67,6 +102,23 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// All kinds, in the order of the reference.
+    pub const ALL: [Self; 13] = [
+        Self::Number,
+        Self::Int,
+        Self::Vec3,
+        Self::Color,
+        Self::Term,
+        Self::NumberOrVec3,
+        Self::String,
+        Self::Array,
+        Self::List,
+        Self::Map,
+        Self::Image,
+        Self::Block,
+        Self::Any,
+    ];
+
     /// True where three numbers may stand in its place.
     #[must_use]
     pub const fn spreads(self) -> bool {
@@ -90,6 +142,31 @@ impl Kind {
             Self::Image => "image",
             Self::Block => "block",
             Self::Any => "any",
+        }
+    }
+
+    /// What may be written for it.
+    #[must_use]
+    pub const fn doc(self) -> &'static str {
+        match self {
+            Self::Number => {
+                "A whole number or one with a point, such as 2 or 0.5: either will do everywhere."
+            }
+            Self::Int => "A whole number, such as 640.",
+            Self::Vec3 => "A vector: [1, 2, 3], vec3(1, 2, 3), or the three numbers in its place.",
+            Self::Color => {
+                "Red, green and blue in scene-linear light, as a vector or three numbers, 1 being full and more \
+                 allowed; or \"#rrggbb\", \"#rgb\" as on a screen (sRGB)."
+            }
+            Self::Term => "A color, or a texture: what checker(a, b, size) or image(file) returns.",
+            Self::NumberOrVec3 => "One number for all three components, or a vector.",
+            Self::String => "Text in double quotes.",
+            Self::Array => "A list in brackets, such as [1, 2, 3].",
+            Self::List => "A list in brackets, or a blob of floats as write_le writes them.",
+            Self::Map => "Names and values: #{ min: 0, max: 2 }. A name that is not known is an error.",
+            Self::Image => "A picture: what render() or image(file) returns.",
+            Self::Block => "Statements in braces.",
+            Self::Any => "A number, a string, true or false.",
         }
     }
 }
@@ -291,7 +368,7 @@ mod tests {
         host::{Host, HostError},
         limits::Limits,
         render::Image,
-        script::{CONSTANTS, PROPERTIES, RunOptions, Script},
+        script::{CONSTANTS, EXAMPLE_FILES, PROPERTIES, RunOptions, Script},
     };
 
     /// Takes pictures and has the files that the examples name.
@@ -299,30 +376,16 @@ mod tests {
 
     impl Host for Gallery {
         fn read(&self, path: &str, _: u64) -> Result<Vec<u8>, HostError> {
-            let found = match path {
-                "tetrahedron.obj" => {
-                    b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n".to_vec()
-                }
-                "wood.png" => png(),
-                _ => {
-                    let what = format!("no such file: {path}");
-                    return Err(HostError::new(crate::diag::ErrorKind::Input, what));
-                }
-            };
-            Ok(found)
+            let file = EXAMPLE_FILES.iter().find(|(name, _)| *name == path);
+            file.map(|(_, bytes)| bytes.to_vec()).ok_or_else(|| {
+                let what = format!("no such file: {path}");
+                HostError::new(crate::diag::ErrorKind::Input, what)
+            })
         }
 
         fn write_image(&self, _: &str, _: &Image) -> Result<(), HostError> {
             Ok(())
         }
-    }
-
-    fn png() -> Vec<u8> {
-        let mut bytes = std::io::Cursor::new(Vec::new());
-        image::RgbImage::from_pixel(2, 2, image::Rgb([120, 80, 40]))
-            .write_to(&mut bytes, image::ImageFormat::Png)
-            .unwrap();
-        bytes.into_inner()
     }
 
     fn runs(source: &str) {
@@ -351,6 +414,16 @@ mod tests {
                     "{also} is a name of its own and of {}",
                     entry.name
                 );
+            }
+        }
+    }
+
+    #[test]
+    fn every_group_and_every_kind_is_listed() {
+        for entry in entries() {
+            assert!(Group::ALL.contains(&entry.group), "{}", entry.name);
+            for param in entry.forms.iter().copied().flatten() {
+                assert!(Kind::ALL.contains(&param.kind), "{}: {}", entry.name, param.name);
             }
         }
     }

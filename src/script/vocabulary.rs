@@ -1,4 +1,5 @@
-//! Properties and constants of the language, for the reference beside the table of functions.
+//! Properties and constants of the language, for the reference beside the table of functions, and the files that its
+//! examples name.
 
 use super::table::Kind;
 
@@ -83,4 +84,10 @@ pub const CONSTANTS: &[Constant] = &[
         value: std::f64::consts::E,
         doc: "The base of natural logarithms.",
     },
+];
+
+/// The files that the examples of the table name, each with its bytes: a script that is to run an example needs them.
+pub const EXAMPLE_FILES: &[(&str, &[u8])] = &[
+    ("tetrahedron.obj", include_bytes!("examples/tetrahedron.obj")),
+    ("wood.png", include_bytes!("examples/wood.png")),
 ];

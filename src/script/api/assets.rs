@@ -34,14 +34,14 @@ pub(super) const ENTRIES: &[Entry] = &[
         ])
         .doc("A triangle mesh: from a file, with its normals, materials and textures; with #{ materials: false } its shape alone, in the current material; or from arrays. positions and normals are points or one flat list, uvs are pairs or one flat list, each also a blob of floats as write_le writes them; indices count from 0, three for each triangle. Without indices every three positions are a triangle; without normals the mesh is flat.")
         .usage("mesh(#{ positions: [[0, 0, 0], [1, 0, 0], [0, 1, 0]] })")
-        .example("light([2, 4, 5], [1, 1, 1]);\ndiffuse(0.8, 0.6, 0.3);\nmesh(#{\n  positions: [[-1, -1, 0], [1, -1, 0], [1, 1, -1], [-1, 1, -1]],\n  indices: [0, 1, 2, 0, 2, 3],\n});\ntranslate(0, 0, 1);\nmesh(\"tetrahedron.obj\");")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.85, 0.6, 0.25);\ngroup {\n  translate(-1.2, -0.7, 0);\n  rotate(0, 1, 0, 25);\n  mesh(#{                       // a tent\n    positions: [[-1, 0, 1], [1, 0, 1], [0, 1.5, 1], [-1, 0, -1], [1, 0, -1], [0, 1.5, -1]],\n    indices: [0, 1, 2,  1, 4, 5,  1, 5, 2,  0, 2, 5,  0, 5, 3,  3, 5, 4],\n  });\n}\ndiffuse(0.2, 0.5, 0.7);\ntranslate(1.2, 0, 0); rotate(0, 1, 0, 20); scale(0.7);\nmesh(\"tetrahedron.obj\");")
         .also(&["obj", "model", "loadObj", "import", "triangleMesh"]),
     Entry::scene(Group::Assets, "image", image)
         .takes(&[&[string("file", "a PNG or JPEG file, relative to the script that names it")]])
         .returns("image")
         .doc("A picture from a file. It can be looked at (.width, .height, .pixel(x, y)) and stands wherever a color of a material may; times a number or a color it is dimmed or tinted.")
         .usage("image(\"wood.png\")")
-        .example("light([2, 4, 5], [1, 1, 1]);\nlet wood = image(\"wood.png\");\ndiffuse(wood * 0.9);\nspecular(0.1, 0.1, 0.1);\nsphere(0, 0, 0, 1);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\nlet wood = image(\"wood.png\");\ndiffuse(wood);\nsphere(-1.2, 0, 0, 1.1);\ndiffuse(wood * vec3(1, 0.4, 0.3));   // stained\nsphere(1.2, 0, 0, 1.1);")
         .also(&["texture", "loadImage", "loadTexture", "picture"]),
 ];
 

@@ -20,37 +20,37 @@ pub(super) const ENTRIES: &[Entry] = &[
         ]])
         .doc("The picture's size. Default: 640 x 480. The command's --size wins.")
         .usage("size(640, 480)")
-        .example("size(320, 240);\nsphere(0, 0, 0, 1);")
+        .example("size(240, 80);\nbackground(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.8, 0.25, 0.15);\nfor x in -3..4 { sphere(x * 1.7, 0, 0, 0.75); }")
         .also(&["resolution", "imageSize", "canvas"]),
     Entry::scene(Group::Camera, "samples", samples)
         .takes(&[&[int("n", "rays per pixel", "1 is one ray through the center; more are jittered in strata")]])
         .doc("Rays per pixel. Default: 1. The command's --samples wins.")
         .usage("samples(16)")
-        .example("samples(4);\nsphere(0, 0, 0, 1);")
+        .example("samples(16);\nbackground(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ncamera([0, 1, 5], [0, 0.5, 0], [0, 1, 0], 45);\ndiffuse(checker(\"#fff\", \"#a33\", 1));\nplane();")
         .also(&["spp", "antialias", "aa"]),
     Entry::scene(Group::Camera, "maxDepth", max_depth)
         .takes(&[&[int("n", "bounces", "0 to 64")]])
         .doc("Secondary bounces: the camera ray plus n reflected or refracted rays in a row. Default: 5.")
         .usage("maxDepth(5)")
-        .example("maxDepth(2);\nspecular(0.8, 0.8, 0.8);\nlight([5, 5, 5], [1, 1, 1]);\nsphere(-1, 0, 0, 1);\nsphere(1, 0, 0, 1);")
+        .example("maxDepth(2);\nbackground(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.05, 0.05, 0.05);\nspecular(0.8, 0.8, 0.8);\nshininess(200);\nsphere(-1, 0, 0, 0.95);\nsphere(1, 0, 0, 0.95);\ndiffuse(0.9, 0.4, 0.1);\nspecular(0, 0, 0);\nsphere(0, -0.9, 1, 0.4);")
         .also(&["depth", "bounces", "maxBounces"]),
     Entry::scene(Group::Camera, "background", background)
         .takes(&[&[color("color", "what a ray sees that leaves the scene")]])
         .doc("The color behind everything. Default: black.")
         .usage("background(0.5, 0.7, 1)")
-        .example("background(\"#87ceeb\");\nsphere(0, 0, 0, 1);")
+        .example("background(\"#87ceeb\");\ndirectional([2, 4, 3], [0.8, 0.8, 0.8]);\ndiffuse(0.9, 0.9, 0.9);\nsphere(0, 0, 0, 1.3);")
         .also(&["sky", "backgroundColor", "clearColor"]),
     Entry::scene(Group::Camera, "encoding", encoding)
         .takes(&[&[string("name", "\"srgb\": the sRGB curve, rounded; \"raw\": clamped, times 255, truncated, as the CSE167 course wants it")]])
         .doc("How linear light becomes 8 bits. Default: \"srgb\".")
         .usage("encoding(\"srgb\")")
-        .example("encoding(\"raw\");\nsphere(0, 0, 0, 1);")
+        .example("encoding(\"raw\");   // steps of equal light: dark until late\nambient(0, 0, 0);\nfor i in 0..6 {\n  let light = i / 5.0;\n  emission(light, light, light);\n  sphere(i * 0.9 - 2.25, 0, 0, 0.4);\n}")
         .also(&["gamma", "colorspace"]),
     Entry::scene(Group::Camera, "seed", seed)
         .takes(&[&[int("n", "none", "any whole number")]])
         .doc("Seeds every random choice of the renderer, and starts random() anew. Default: 0. The command's --seed wins, and then this does nothing.")
         .usage("seed(42)")
-        .example("seed(7);\nfor i in 0..5 { sphere(random(-2, 2), random(-1, 1), 0, 0.3); }")
+        .example("seed(7);\nbackground(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\nfor i in 0..25 {\n  diffuse(hsv(random(360), 0.7, 0.9));\n  sphere(random(-2, 2), random(-1.5, 1.5), 0, 0.3);\n}")
         .also(&["randomSeed", "srand"]),
     Entry::scene(Group::Camera, "camera", camera)
         .takes(&[&[
@@ -61,7 +61,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         ]])
         .doc("As gluLookAt and gluPerspective. The last call counts. Default: from [0, 0, 5] at [0, 0, 0], up [0, 1, 0], 45 degrees. The current matrix does not move it.")
         .usage("camera([0, 1, 5], [0, 0, 0], [0, 1, 0], 45)")
-        .example("camera([3, 2, 5], [0, 0, 0], [0, 1, 0], 30);\nsphere(0, 0, 0, 1);")
+        .example("camera([3, 2.5, 4], [0, 0, 0], [0, 1, 0], 35);\nbackground(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.8, 0.25, 0.15);\nbox(1.5, 1, 1);\ngroup { translate(0, -0.5, 0); diffuse(checker(\"#fff\", \"#3a7\", 1)); plane(); }")
         .also(&["lookAt", "gluLookAt", "perspective", "view"]),
 ];
 

@@ -16,7 +16,7 @@ pub(super) const ENTRIES: &[Entry] = &[Entry::scene(Group::Camera, "edition", ed
     .takes(&[&[int("year", "none", "of the edition; 2026 is the only one yet")]])
     .doc("Keeps the picture as it is in every later version: its defaults, formulas, sampling patterns, random numbers and encoding stay those of the edition. The first call of a script, if it is called. Default: the newest edition.")
     .usage("edition(2026)")
-    .example("edition(2026);\nsize(320, 240);\nlight([5, 5, 5], [1, 1, 1]);\ndiffuse(0.9, 0.3, 0.2);\nsphere(0, 0, 0, 1);")
+    .example("edition(2026);\nbackground(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.8, 0.25, 0.15);\nsphere(0, 0, 0, 1.3);")
     .also(&["version", "language"])];
 
 fn edition(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {

@@ -21,13 +21,13 @@ pub(super) const ENTRIES: &[Entry] = &[
         .takes(&[POINT])
         .doc("A point light under the current matrix. Without attenuation() it does not fade with distance.")
         .usage("light([5, 5, 5], [1, 1, 1])")
-        .example("light([3, 4, 5], [1, 1, 1]);\ndiffuse(0.8, 0.3, 0.2);\nsphere(0, 0, 0, 1);")
+        .example("background(\"#cfe3f5\");\ncamera([0, 2.5, 6], [0, 0.7, 0], [0, 1, 0], 36);\nambient(0.08, 0.08, 0.1);\ndiffuse(0.8, 0.8, 0.75);\nplane();\nlight([3, 4, 2], [0.8, 0.8, 0.8]);\ndiffuse(0.8, 0.25, 0.15);\nsphere(0, 1, 0, 1);")
         .also(&["pointLight", "lamp", "spotLight"]),
     Entry::scene(Group::Lights, "point", point)
         .takes(&[POINT])
         .doc("The same as light(position, color), under the name the CSE167 course gives it.")
         .usage("point([5, 5, 5], [1, 1, 1])")
-        .example("point([3, 4, 5], [1, 1, 1]);\ndiffuse(0.8, 0.3, 0.2);\nsphere(0, 0, 0, 1);"),
+        .example("background(\"#cfe3f5\");\ncamera([0, 2.5, 6], [0, 0.7, 0], [0, 1, 0], 36);\nambient(0.08, 0.08, 0.1);\ndiffuse(0.8, 0.8, 0.75);\nplane();\npoint([-3, 4, 2], [0.8, 0.8, 0.8]);\ndiffuse(0.15, 0.35, 0.8);\nsphere(0, 1, 0, 1);"),
     Entry::scene(Group::Lights, "directional", directional)
         .takes(&[&[
             vec3("direction", "none", "points towards the light, of any length but 0"),
@@ -35,7 +35,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         ]])
         .doc("Parallel light from far away, never attenuated.")
         .usage("directional([1, 1, 1], [1, 1, 1])")
-        .example("directional([1, 2, 2], [0.9, 0.9, 0.8]);\ndiffuse(0.8, 0.3, 0.2);\nsphere(0, 0, 0, 1);")
+        .example("background(\"#cfe3f5\");\ncamera([0, 2.5, 6], [0, 0.7, 0], [0, 1, 0], 36);\nambient(0.08, 0.08, 0.1);\ndiffuse(0.8, 0.8, 0.75);\nplane();\ndirectional([2, 1.5, 1], [0.9, 0.8, 0.6]);   // low in the east\ndiffuse(0.8, 0.25, 0.15);\nfor x in -1..2 { sphere(x * 1.7, 0.6, 0, 0.6); }")
         .also(&["directionalLight", "sun", "distantLight"]),
     Entry::scene(Group::Lights, "attenuation", attenuation)
         .takes(&[&[
@@ -45,7 +45,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         ]])
         .doc("Fall-off of the point and area lights made from now on: 1 / (constant + linear d + quadratic d^2). Default: 1, 0, 0, no fall-off.")
         .usage("attenuation(1, 0, 0.1)")
-        .example("attenuation(0, 0, 0.05);\nlight([3, 4, 5], [2, 2, 2]);\ndiffuse(0.8, 0.3, 0.2);\nsphere(0, 0, 0, 1);")
+        .example("background(\"#cfe3f5\");\ncamera([0, 2.5, 6], [0, 0.7, 0], [0, 1, 0], 36);\nambient(0.08, 0.08, 0.1);\ndiffuse(0.8, 0.8, 0.75);\nplane();\nattenuation(0, 0, 0.4);\nlight([-2, 1.5, 1], [1.5, 1.4, 1.2]);\ndiffuse(0.8, 0.25, 0.15);\nfor x in -2..3 { sphere(x * 1.1, 0.5, 0, 0.5); }")
         .also(&["falloff"]),
     Entry::scene(Group::Lights, "areaLight", area_light)
         .takes(&[&[
@@ -57,7 +57,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         ]])
         .doc("A shining parallelogram that casts soft shadows, as a grid of jittered points. It is not seen itself.")
         .usage("areaLight([-1, 4, -1], [2, 0, 0], [0, 0, 2], [1, 1, 1], 4)")
-        .example("areaLight([-1, 4, 1], [2, 0, 0], [0, 0, 2], [1, 1, 1], 3);\ndiffuse(0.8, 0.8, 0.8);\nsphere(0, 0, 0, 1);\nsphere(0, -101, 0, 100);")
+        .example("background(\"#cfe3f5\");\ncamera([0, 2.5, 6], [0, 0.7, 0], [0, 1, 0], 36);\nambient(0.08, 0.08, 0.1);\ndiffuse(0.8, 0.8, 0.75);\nplane();\nareaLight([-1, 4, 1], [2, 0, 0], [0, 0, 2], [0.9, 0.85, 0.8], 4);\ndiffuse(0.8, 0.25, 0.15);\nsphere(0, 0.9, 0, 0.9);")
         .also(&["rectLight", "quadLight", "softLight"]),
 ];
 

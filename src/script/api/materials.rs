@@ -33,47 +33,47 @@ pub(super) const ENTRIES: &[Entry] = &[
         .takes(&[&[term("color", "Ka")]])
         .doc("The constant term Ka of shapes made from now on. Default: 0.2, 0.2, 0.2.")
         .usage("ambient(0.1, 0.1, 0.1)")
-        .example("ambient(0.3, 0.1, 0.1);\nsphere(0, 0, 0, 1);"),
+        .example("background(\"#cfe3f5\");\nlight([3, 5, 4], [0.7, 0.7, 0.7]);\ndiffuse(0.8, 0.3, 0.2);\nfor i in -1..2 {\n  let a = 0.15 * (i + 1);   // 0, 0.15, 0.3\n  ambient(a, a, a);\n  sphere(i * 1.7, 0, 0, 0.8);\n}"),
     Entry::scene(Group::Materials, "emission", emission)
         .takes(&[&[term("color", "Ke")]])
         .doc("The constant term Ke, for what glows. It lights nothing else. Default: black.")
         .usage("emission(1, 0.9, 0.5)")
-        .example("emission(1, 0.9, 0.5);\nsphere(0, 0, 0, 1);")
+        .example("background(\"#1a2030\");\nlight([3, 3, 5], [0.3, 0.3, 0.4]);\ndiffuse(0.6, 0.6, 0.7);\nsphere(-1.2, 0, 0, 0.9);\nemission(1, 0.8, 0.3);\nsphere(1.2, 0, 0, 0.9);")
         .also(&["emissive", "emit", "glow"]),
     Entry::scene(Group::Materials, "diffuse", diffuse)
         .takes(&[&[term("color", "Kd")]])
         .doc("Kd: the color under light, by Lambert's cosine. Default: black.")
         .usage("diffuse(0.8, 0.2, 0.1)")
-        .example("light([5, 5, 5], [1, 1, 1]);\ndiffuse(checker(\"#fff\", \"#333\", 0.5));\nsphere(0, 0, 0, 1);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.8, 0.25, 0.15);\nsphere(-1.2, 0, 0, 1);\ndiffuse(checker(\"#fff\", \"#246\", 0.5));\nsphere(1.2, 0, 0, 1);")
         .also(&["color", "fill", "albedo", "colour"]),
     Entry::scene(Group::Materials, "specular", specular)
         .takes(&[&[term("color", "Ks")]])
         .doc("Ks: the highlight and, unless reflection(color) says otherwise, the mirror. Default: black.")
         .usage("specular(0.5, 0.5, 0.5)")
-        .example("light([5, 5, 5], [1, 1, 1]);\ndiffuse(0.6, 0, 0);\nspecular(0.3, 0.3, 0.3);\nshininess(50);\nsphere(0, 0, 0, 1);"),
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.7, 0.1, 0.1);\nshininess(60);\nsphere(-1.2, 0, 0, 1);\nspecular(0.4, 0.4, 0.4);\nsphere(1.2, 0, 0, 1);"),
     Entry::scene(Group::Materials, "shininess", shininess)
         .takes(&[&[number("s", "none", "0 or greater")]])
         .doc("The exponent of the half-angle highlight: the larger, the smaller the highlight. Default: 1.")
         .usage("shininess(50)")
-        .example("light([5, 5, 5], [1, 1, 1]);\nspecular(1, 1, 1);\nreflection(0, 0, 0);\nshininess(100);\nsphere(0, 0, 0, 1);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.1, 0.2, 0.6);\nspecular(0.7, 0.7, 0.7);\nreflection(0, 0, 0);\nfor i in -1..2 {\n  shininess(40 * 5 ** i);   // 8, 40, 200\n  sphere(i * 1.7, 0, 0, 0.8);\n}")
         .also(&["exponent", "gloss"]),
     Entry::scene(Group::Materials, "reflection", reflection)
         .takes(&[&[term("color", "Kr")]])
         .doc("Kr: the mirror's weight where it is to differ from Ks. Default: Ks.")
         .usage("reflection(0, 0, 0)")
-        .example("light([5, 5, 5], [1, 1, 1]);\nbackground(0.3, 0.5, 0.8);\nspecular(1, 1, 1);\nreflection(0.2, 0.2, 0.2);\nsphere(0, 0, 0, 1);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ngroup { translate(0, -1, 0); diffuse(checker(\"#fff\", \"#3a7\", 1)); plane(); }\ndiffuse(0.6, 0.1, 0.1);\nspecular(0.5, 0.5, 0.5);\nshininess(80);\nsphere(-1.1, 0, 0, 1);         // a mirror as strong as its highlight\nreflection(0.05, 0.05, 0.05);\nsphere(1.1, 0, 0, 1);          // hardly a mirror")
         .also(&["mirror", "reflective"]),
     Entry::scene(Group::Materials, "transmission", transmission)
         .takes(&[&[term("color", "Kt")]])
         .doc("Kt: what is seen through the surface, bent by ior(n). Default: black, opaque.")
         .usage("transmission(0.9, 0.9, 0.9)")
-        .example("background(0.3, 0.5, 0.8);\nambient(0, 0, 0);\ntransmission(0.9, 0.9, 0.9);\nior(1.5);\nsphere(0, 0, 0, 1);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ngroup { translate(0, -1, 0); diffuse(checker(\"#fff\", \"#3a7\", 1)); plane(); }\nambient(0, 0, 0);\nspecular(0.15, 0.15, 0.15);\nshininess(200);\ntransmission(0.85, 0.9, 0.85);\nior(1.5);\nsphere(0, 0.2, 0, 1.1);")
         .also(&["transparency", "refraction", "opacity", "alpha", "glass"]),
     Entry::scene(Group::Materials, "ior", ior)
         .takes(&[&[number("n", "none", "greater than 0; water 1.33, glass 1.5, diamond 2.42")]])
         .doc("The index of refraction inside the shape, against 1 outside. Default: 1.5.")
         .usage("ior(1.5)")
-        .example("background(0.3, 0.5, 0.8);\ntransmission(1, 1, 1);\nior(1.33);\nsphere(0, 0, 0, 1);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ngroup { translate(0, -1, 0); diffuse(checker(\"#fff\", \"#3a7\", 1)); plane(); }\nambient(0, 0, 0);\ntransmission(0.9, 0.9, 0.9);\nior(1.1);\nsphere(-1.7, 0, 0, 0.8);\nior(1.33);   // water\nsphere(0, 0, 0, 0.8);\nior(2.42);   // diamond\nsphere(1.7, 0, 0, 0.8);")
         .also(&["refractiveIndex", "indexOfRefraction", "eta"]),
     Entry::scene(Group::Materials, "material", material)
         .takes(&[
@@ -83,7 +83,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .returns("map")
         .doc("Sets several terms at once and returns the whole state as a map. material(m) puts such a map back. A reflection of () follows Ks again.")
         .usage("material(#{ diffuse: [0.8, 0.2, 0.1], shininess: 50 })")
-        .example("light([5, 5, 5], [1, 1, 1]);\nlet red = material(#{ diffuse: [0.8, 0.1, 0.1] });\ndiffuse(0.1, 0.1, 0.8);\nsphere(-1, 0, 0, 0.8);\nmaterial(red);\nsphere(1, 0, 0, 0.8);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\nlet red = material(#{ diffuse: [0.8, 0.1, 0.1], shininess: 50 });\ndiffuse(0.15, 0.35, 0.8);\nsphere(-1.2, 0, 0, 1);\nmaterial(red);\nsphere(1.2, 0, 0, 1);")
         .also(&["setMaterial", "surface", "finish"]),
     Entry::pure(Group::Materials, "hsv", hsv)
         .takes(&[&[
@@ -94,7 +94,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .returns("vec3")
         .doc("A color by hue, saturation and value, as color pickers show it, in linear RGB.")
         .usage("hsv(30, 0.8, 1)")
-        .example("light([0, 0, 8], [1, 1, 1]);\nfor i in 0..12 {\n  diffuse(hsv(i * 30, 0.8, 0.9));\n  group { rotate(0, 0, 1, i * 30); sphere(1.2, 0, 0, 0.3); }\n}")
+        .example("background(\"#222\");\nlight([0, 0, 8], [1, 1, 1]);\nambient(0, 0, 0);\nfor i in 0..12 {\n  diffuse(hsv(i * 30, 0.8, 1));\n  group { rotate(0, 0, 1, i * 30); sphere(1.5, 0, 0, 0.35); }\n}")
         .also(&["hsb", "hsl", "hue"]),
     Entry::pure(Group::Materials, "checker", checker)
         .takes(&[&[
@@ -105,7 +105,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .returns("texture")
         .doc("A texture of two colors in cubes of the shape's own space. It stands wherever a color of a material may.")
         .usage("checker(\"#fff\", \"#333\", 1)")
-        .example("light([2, 5, 5], [1, 1, 1]);\ndiffuse(checker([1, 1, 1], [0.1, 0.1, 0.1], 1));\nsphere(0, -101, 0, 100);\nsphere(0, 0, 0, 1);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(checker(\"#fff\", \"#246\", 0.5));\nsphere(0, 0.2, 0, 1.2);\ngroup { translate(0, -1, 0); diffuse(checker(\"#eee\", \"#c55\", 1)); plane(); }")
         .also(&["checkerboard", "checkers"]),
 ];
 

@@ -280,7 +280,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .returns("float | vec3")
         .doc("The same as lerp, under the name shading languages give it.")
         .usage("mix([1, 0, 0], [0, 0, 1], 0.5)")
-        .example("diffuse(mix([1, 0, 0], [0, 0, 1], 0.5));\nsphere(0, 0, 0, 1);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\nfor i in 0..5 {\n  diffuse(mix([0.8, 0.1, 0.1], [0.1, 0.2, 0.8], i / 4.0));\n  sphere(i - 2, 0, 0, 0.45);\n}")
         .also(&["blend"]),
 ];
 

@@ -25,7 +25,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .returns("float")
         .doc("Smooth noise between -1 and 1, 0 at whole numbers: hills of about one unit in size. It does not depend on the seed; add an offset to see another part of it.")
         .usage("noise(0.3, 1.7)")
-        .example("light([0, 8, 4], [1, 1, 1]);\ndiffuse(0.3, 0.6, 0.3);\ncamera([0, 5, 8], [0, 0, 0], [0, 1, 0], 45);\nfor x in -6..7 {\n  for z in -6..7 {\n    sphere(x * 0.5, noise(x * 0.3, z * 0.3) * 1.5, z * 0.5, 0.25);\n  }\n}")
+        .example("background(\"#cfe3f5\");\nlight([3, 8, 4], [1, 1, 1]);\ndiffuse(0.3, 0.6, 0.3);\ncamera([0, 5, 8], [0, -0.3, 0], [0, 1, 0], 40);\nfor x in -12..13 {\n  for z in -12..13 {\n    sphere(x * 0.25, noise(x * 0.25, z * 0.25) * 1.2, z * 0.25, 0.16);\n  }\n}")
         .also(&["perlin", "simplex", "snoise"]),
 ];
 

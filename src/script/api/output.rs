@@ -26,7 +26,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .returns("image")
         .doc("Renders the scene built so far and returns the picture, which can be looked at, or used as a texture; with a name, writes it too. A script that never calls it is rendered once when it ends.")
         .usage("render(\"picture.png\")")
-        .example("size(32, 24);\nbackground(0.2, 0.4, 0.8);\nsphere(0, 0, 0, 1);\nlet picture = render();\nprint(picture.pixel(0, 0));")
+        .example("size(160, 120);\nbackground(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.8, 0.25, 0.15);\nsphere(0.6, 0.3, 0, 1.2);\nlet picture = render();          // the scene so far, on a screen of its own\nbackground(\"#f3dcb0\");\nambient(0, 0, 0); diffuse(0, 0, 0); emission(picture);\nmesh(#{\n  positions: [[-1.6, -1.1, 1], [0, -1.1, 1], [0, 0.1, 1], [-1.6, 0.1, 1]],\n  uvs: [[0, 0], [1, 0], [1, 1], [0, 1]],\n  indices: [0, 1, 2, 0, 2, 3],\n});\nrender();")
         .also(&["draw", "save", "output", "write", "trace"]),
     Entry::pure(Group::Output, "pixel", pixel)
         .takes(&[&[
@@ -37,7 +37,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .returns("vec3")
         .doc("The color of one pixel of a picture in linear RGB. picture.width and picture.height are its size.")
         .usage("picture.pixel(0, 0)")
-        .example("size(32, 24);\nbackground(0.2, 0.4, 0.8);\nsphere(0, 0, 0, 1);\nlet picture = render();\nlet middle = picture.pixel(picture.width / 2, picture.height / 2);\nprint(middle.x);"),
+        .example("size(32, 24);\nbackground(0.2, 0.4, 0.8);\nlight([0, 0, 5], [1, 1, 1]);\ndiffuse(0.5, 0, 0);\nsphere(0, 0, 0, 1);\nlet picture = render();\nprint(picture.pixel(0, 0));\nprint(picture.pixel(picture.width / 2, picture.height / 2).x);"),
 ];
 
 fn render(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {

@@ -37,7 +37,7 @@ pub(super) const ENTRIES: &[Entry] = &[Entry::scene(Group::Parameters, "param", 
     .returns("the default's type")
     .doc("A value that the caller may decide: rtscript scene.rhai -D radius=0.7. A whole number as default takes whole numbers only, 0.5 takes any number. rtscript params scene.rhai lists a script's parameters.")
     .usage("param(\"radius\", 0.5, #{ min: 0, max: 2 })")
-    .example("let count = param(\"count\", 5, #{ min: 1, max: 50, doc: \"balls in a row\" });\nlet shine = param(\"shine\", 0.3);\nlight([0, 5, 5], [1, 1, 1]);\ndiffuse(1 - shine, 0.2, 0.2); specular(shine, shine, shine); shininess(40);\nfor i in 0..count { sphere(i - (count - 1) / 2.0, 0, 0, 0.4); }")
+    .example("let count = param(\"count\", 5, #{ min: 1, max: 50, doc: \"balls in a row\" });\nlet shine = param(\"shine\", 0.3);\nbackground(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(1 - shine, 0.2, 0.2); specular(shine, shine, shine); shininess(40);\nfor i in 0..count { sphere(i - (count - 1) / 2.0, 0, 0, 0.45); }")
     .also(&["parameter", "argument", "option", "declare", "clock"])];
 
 fn param(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {

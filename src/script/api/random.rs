@@ -69,7 +69,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .returns("float")
         .doc("A random number from 0 (or min) up to but without 1 (or max). The row of numbers depends on seed(n) alone and is the same on every machine.")
         .usage("random(-1, 1)")
-        .example("for i in 0..20 {\n  diffuse(random(), random(), random());\n  sphere(random(-2, 2), random(-1.5, 1.5), random(-2, 0), random(0.1, 0.4));\n}\nlight([0, 5, 5], [1, 1, 1]);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\nfor i in 0..60 {\n  diffuse(random(), random(), random());\n  sphere(random(-2.4, 2.4), random(-1.7, 1.7), random(-2, 0), random(0.1, 0.4));\n}")
         .also(&["rand", "rnd", "uniform"]),
     Entry::scene(Group::Random, "randomInt", random_int)
         .takes(&[&[
@@ -79,7 +79,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .returns("int")
         .doc("A random whole number from min to max, both included: randomInt(1, 6) throws a die.")
         .usage("randomInt(1, 6)")
-        .example("for i in 0..randomInt(3, 8) { sphere(i - 3, 0, 0, 0.4); }")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.8, 0.55, 0.15);\nfor x in -3..4 {\n  for y in 0..randomInt(1, 5) {\n    group { translate(x * 0.7, y * 0.6 - 1.4, 0); rotate(0, 1, 0, 20); box(0.5, 0.5, 0.5); }\n  }\n}")
         .also(&["randint", "randInt", "irand"]),
 ];
 

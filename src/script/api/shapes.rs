@@ -29,7 +29,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         ]])
         .doc("A sphere. Under scale(x, y, z) it is an ellipsoid.")
         .usage("sphere(0, 0, 0, 1)")
-        .example("light([5, 5, 5], [1, 1, 1]);\ndiffuse(0.8, 0.2, 0.1);\nsphere(0, 0, 0, 1);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.8, 0.25, 0.15);\nsphere(0, 0, 0, 1.3);")
         .also(&["ball", "ellipsoid", "orb"]),
     Entry::scene(Group::Shapes, "spheres", spheres)
         .takes(&[&[Param::new(
@@ -40,7 +40,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         )]])
         .doc("Many spheres at once, each as sphere(x, y, z, r) would make it. A blob holds floats as write_le writes them, 8 bytes each.")
         .usage("spheres([[0, 0, 0, 1], [2, 0, 0, 0.5]])")
-        .example("light([5, 5, 5], [1, 1, 1]);\ndiffuse(0.8, 0.2, 0.1);\nlet list = [];\nfor i in 0..60 {\n  let a = radians(i * 137.5);\n  let r = 0.25 * sqrt(i);\n  list.push([r * cos(a), r * sin(a), 0, 0.2]);\n}\nspheres(list);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.8, 0.25, 0.15);\nlet list = [];\nfor i in 0..60 {\n  let a = radians(i * 137.5);\n  let r = 0.24 * sqrt(i);\n  list.push([r * cos(a), r * sin(a), 0, 0.2]);\n}\nspheres(list);")
         .also(&["balls", "particles", "points"]),
     Entry::scene(Group::Shapes, "tri", tri)
         .takes(&[
@@ -60,7 +60,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         ])
         .doc("A triangle; counter-clockwise is the front. With normals at its corners it is shaded smoothly.")
         .usage("tri([0, 0, 0], [1, 0, 0], [0, 1, 0])")
-        .example("light([1, 2, 5], [1, 1, 1]);\ndiffuse(0.2, 0.5, 0.9);\ntri([-1, -1, 0], [1, -1, 0], [0, 1, 0]);\ntri([1, -1, 0], [2, -1, 0], [2, 1, -1], [0, 0, 1], [1, 0, 1], [1, 1, 1]);")
+        .example("background(\"#cfe3f5\");\nlight([1, 2, 5], [1, 1, 1]);\ndiffuse(0.2, 0.45, 0.8);\ntri([-2, -1, 0], [0, -1, 0], [-1, 1, 0]);\n// with normals that differ, it looks bent\ntri([0.2, -1, 0], [2.2, -1, 0], [1.2, 1, 0],\n    [-1, 0, 0.4], [1, 0, 0.4], [0, 1, 0.4]);")
         .also(&["triangle", "face"]),
     Entry::scene(Group::Shapes, "box", cuboid)
         .takes(&[
@@ -73,24 +73,24 @@ pub(super) const ENTRIES: &[Entry] = &[
         ])
         .doc("A box centered at the origin; without arguments the unit cube, which scale(w, h, d) gives its size.")
         .usage("box(1, 2, 0.5)")
-        .example("light([3, 4, 5], [1, 1, 1]);\ndiffuse(0.8, 0.6, 0.2);\nrotate(1, 1, 0, 30);\nbox(1, 1.5, 1);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.8, 0.55, 0.15);\nrotate(1, 1, 0, 30);\nbox(1.5, 2, 1.5);")
         .also(&["cube", "cuboid", "brick", "block"]),
     Entry::scene(Group::Shapes, "cylinder", cylinder)
         .takes(&[&[], &[RADIUS, HEIGHT]])
         .doc("A closed cylinder around Y, centered at the origin; without arguments of radius 0.5 and height 1.")
         .usage("cylinder(0.5, 1)")
-        .example("light([3, 4, 5], [1, 1, 1]);\ndiffuse(0.3, 0.6, 0.8);\nrotate(1, 0, 0, 30);\ncylinder(0.6, 1.8);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.2, 0.5, 0.7);\nrotate(1, 0, 0, 30);\ncylinder(0.9, 2.2);")
         .also(&["tube", "pillar"]),
     Entry::scene(Group::Shapes, "cone", cone)
         .takes(&[&[], &[RADIUS, HEIGHT]])
         .doc("A closed cone around Y, its apex up, from y = -height / 2 to height / 2; without arguments of radius 0.5 and height 1.")
         .usage("cone(0.5, 1)")
-        .example("light([3, 4, 5], [1, 1, 1]);\ndiffuse(0.3, 0.8, 0.4);\ncone(0.8, 2);"),
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.2, 0.6, 0.3);\nrotate(1, 0, 0, 20);\ncone(1.1, 2.6);"),
     Entry::scene(Group::Shapes, "disk", disk)
         .takes(&[&[], &[RADIUS]])
         .doc("A flat disk in y = 0, its front up; without arguments of radius 0.5.")
         .usage("disk(0.5)")
-        .example("light([3, 4, 5], [1, 1, 1]);\ndiffuse(0.8, 0.3, 0.5);\nrotate(1, 0, 0, 40);\ndisk(1.2);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.75, 0.25, 0.45);\nrotate(1, 0, 0, 40);\ndisk(1.6);")
         .also(&["circle"]),
     Entry::scene(Group::Shapes, "torus", torus)
         .takes(&[
@@ -102,12 +102,12 @@ pub(super) const ENTRIES: &[Entry] = &[
         ])
         .doc("A ring around Y; without arguments major 0.375 and minor 0.125, which fits the unit cube.")
         .usage("torus(0.375, 0.125)")
-        .example("light([3, 4, 5], [1, 1, 1]);\ndiffuse(0.8, 0.5, 0.2);\nrotate(1, 0, 0, 50);\ntorus(1, 0.3);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.85, 0.5, 0.15);\nrotate(1, 0, 0, 50);\ntorus(1.2, 0.45);")
         .also(&["ring", "donut", "doughnut"]),
     Entry::scene(Group::Shapes, "plane", plane)
         .doc("The endless plane y = 0, its front up.")
         .usage("plane()")
-        .example("light([3, 4, 5], [1, 1, 1]);\ndiffuse(checker(\"#fff\", \"#555\", 1));\ntranslate(0, -1, 0);\nplane();")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(checker(\"#fff\", \"#3a7\", 1));\ntranslate(0, -1, 0);\nplane();")
         .also(&["ground"]),
     Entry::scene(Group::Shapes, "polygon", polygon)
         .takes(&[&[Param::new(
@@ -118,7 +118,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         )]])
         .doc("A flat polygon; counter-clockwise is the front.")
         .usage("polygon([[0, 0, 0], [1, 0, 0], [0, 1, 0]])")
-        .example("light([1, 2, 5], [1, 1, 1]);\ndiffuse(0.9, 0.7, 0.1);\nlet points = [];\nfor i in 0..10 {\n  let r = if i % 2 == 0 { 1.5 } else { 0.6 };\n  let a = radians(90 + i * 36);\n  points.push([r * cos(a), r * sin(a), 0]);\n}\npolygon(points);"),
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.9, 0.65, 0.1);\nlet points = [];\nfor i in 0..10 {\n  let r = if i % 2 == 0 { 1.8 } else { 0.75 };\n  let a = radians(90 + i * 36);\n  points.push([r * cos(a), r * sin(a), 0]);\n}\npolygon(points);"),
 ];
 
 fn sphere(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {

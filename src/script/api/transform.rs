@@ -18,18 +18,18 @@ pub(super) const ENTRIES: &[Entry] = &[
     Entry::scene(Group::Transform, "pushTransform", push)
         .doc("Saves the current matrix, until the popTransform() that belongs to it. The material is not saved; group { } saves both.")
         .usage("pushTransform()")
-        .example("pushTransform();\ntranslate(-1, 0, 0);\nsphere(0, 0, 0, 0.8);\npopTransform();\nsphere(1, 0, 0, 0.8);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.8, 0.25, 0.15);\npushTransform();\ntranslate(-1.2, 0, 0);\nrotate(1, 1, 0, 35);\nbox(1.2, 1.2, 1.2);\npopTransform();\ndiffuse(0.15, 0.35, 0.8);\nsphere(1.2, 0, 0, 0.8);")
         .also(&["pushMatrix", "save", "push"]),
     Entry::scene(Group::Transform, "popTransform", pop)
         .doc("Restores the matrix that the last pushTransform() saved.")
         .usage("popTransform()")
-        .example("pushTransform();\nscale(2);\nsphere(0, 0, 0, 0.5);\npopTransform();\nsphere(1.5, 0, 0, 0.5);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.8, 0.25, 0.15);\nfor i in 0..5 {\n  pushTransform();\n  translate(i - 2, 0, 0);\n  scale(0.4, 0.4 + i * 0.3, 0.4);\n  cylinder(1, 1);\n  popTransform();\n}")
         .also(&["popMatrix", "restore"]),
     Entry::scene(Group::Transform, "translate", translate)
         .takes(&[&[vec3("v", "object units", "how far along x, y and z")]])
         .doc("Moves what is made from now on. Multiplies the current matrix on the right, as in OpenGL: the call nearest the shape acts first.")
         .usage("translate(1, 0, 0)")
-        .example("translate(0, 1, 0);\nsphere(0, 0, 0, 0.5);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.7, 0.7, 0.7);\nsphere(0, 0, 0, 0.5);\ntranslate(1.5, 0.8, 0);\ndiffuse(0.8, 0.25, 0.15);\nsphere(0, 0, 0, 0.5);")
         .also(&["move", "translateX", "translateY", "translateZ"]),
     Entry::scene(Group::Transform, "rotate", rotate)
         .takes(&[&[
@@ -38,7 +38,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         ]])
         .doc("Turns what is made from now on about an axis through the origin.")
         .usage("rotate(0, 1, 0, 45)")
-        .example("rotate(0, 1, 0, 30);\ntri([-1, 0, 0], [1, 0, 0], [0, 1, 0]);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.9, 0.6, 0.1);\nfor i in 0..12 {\n  group {\n    rotate(0, 0, 1, i * 30);\n    translate(0, 1.3, 0);\n    box(0.25, 0.8, 0.25);\n  }\n}")
         .also(&["rotateX", "rotateY", "rotateZ", "turn"]),
     Entry::scene(Group::Transform, "scale", scale)
         .takes(&[
@@ -47,7 +47,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         ])
         .doc("Stretches what is made from now on.")
         .usage("scale(2, 1, 1)")
-        .example("scale(2, 1, 1);\nsphere(0, 0, 0, 0.5);"),
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.8, 0.25, 0.15);\nscale(2, 1, 1);\nsphere(0, 0, 0, 1);"),
     Entry::scene(Group::Transform, "multMatrix", mult_matrix)
         .takes(&[&[Param::new(
             "matrix",
@@ -57,18 +57,18 @@ pub(super) const ENTRIES: &[Entry] = &[
         )]])
         .doc("Multiplies the current matrix by a matrix of your own. It acts on column vectors: the last column moves.")
         .usage("multMatrix([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1])")
-        .example("multMatrix([1, 0.5, 0, 0,\n            0, 1, 0, 0,\n            0, 0, 1, 0,\n            0, 0, 0, 1]);\nsphere(0, 0, 0, 0.8);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.15, 0.5, 0.4);\nrotate(0, 1, 0, -30);\nmultMatrix([1, 0.5, 0, 0,   // x leans over as y grows\n            0, 1, 0, 0,\n            0, 0, 1, 0,\n            0, 0, 0, 1]);\nbox(1.5, 2, 1);")
         .also(&["applyMatrix", "transform"]),
     Entry::scene(Group::Transform, "loadIdentity", load_identity)
         .doc("Sets the current matrix to the identity. Inside define that is the definition's own space.")
         .usage("loadIdentity()")
-        .example("translate(5, 5, 5);\nloadIdentity();\nsphere(0, 0, 0, 1);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ntranslate(-1.5, 1, 0);\ndiffuse(0.7, 0.7, 0.7);\nsphere(0, 0, 0, 0.5);\nloadIdentity();          // back in the middle\ndiffuse(0.8, 0.25, 0.15);\nsphere(0, 0, 0, 0.8);")
         .also(&["resetMatrix", "identity"]),
     Entry::syntax(Group::Transform, "group")
         .takes(&[&[Param::new("block", Kind::Block, "none", "statements, in the scope they stand in")]])
         .doc("Saves matrix and material, runs the block, and restores both however the block is left: at its end, by break, continue, return or an error.")
         .usage("group { translate(1, 0, 0); sphere(0, 0, 0, 1); }")
-        .example("diffuse(0.8, 0.2, 0.1);\ngroup {\n  translate(-1, 0, 0);\n  diffuse(0.1, 0.3, 0.8);\n  sphere(0, 0, 0, 0.8);\n}\nsphere(1, 0, 0, 0.8);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.8, 0.25, 0.15);\ngroup {\n  translate(-1.2, 0, 0);\n  diffuse(0.15, 0.35, 0.8);\n  sphere(0, 0, 0, 0.9);\n}\nsphere(1.2, 0, 0, 0.9);   // neither moved nor blue")
         .also(&["scope", "layer"]),
     Entry::syntax(Group::Transform, "define")
         .takes(&[&[
@@ -77,12 +77,12 @@ pub(super) const ENTRIES: &[Entry] = &[
         ]])
         .doc("Builds a group of shapes once, in an object space of its own. It is seen where instance(name) places it.")
         .usage("define \"car\" { sphere(0, 0, 0, 1); }")
-        .example("define \"snowman\" {\n  sphere(0, 0.5, 0, 0.5);\n  sphere(0, 1.2, 0, 0.3);\n}\nfor i in -1..2 {\n  group { translate(i * 1.5, -0.8, 0); instance(\"snowman\"); }\n}"),
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndefine \"snowman\" {\n  diffuse(0.9, 0.9, 0.95);\n  sphere(0, 0.5, 0, 0.5);\n  sphere(0, 1.2, 0, 0.33);\n  diffuse(0.9, 0.4, 0.1);\n  sphere(0, 1.2, 0.35, 0.08);\n}\nfor i in -1..2 {\n  group { translate(i * 1.5, -0.8, 0); instance(\"snowman\"); }\n}"),
     Entry::scene(Group::Transform, "instance", instance)
         .takes(&[&[string("name", "as given to define")]])
         .doc("Places a defined group under the current matrix, any number of times, also inside another define. Geometry and acceleration structure are shared.")
         .usage("instance(\"car\")")
-        .example("define \"ball\" { sphere(0, 0, 0, 0.4); }\nfor x in -2..3 {\n  group { translate(x, 0, 0); instance(\"ball\"); }\n}")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndefine \"tree\" {\n  diffuse(0.15, 0.5, 0.2);\n  cone(0.4, 1.2);\n}\nfor x in -3..4 {\n  group { translate(x * 0.75, -0.2 * abs(x), 0); instance(\"tree\"); }\n}")
         .also(&["use", "place", "copy"]),
     Entry::scene(Group::Transform, "instances", instances)
         .takes(&[&[
@@ -96,7 +96,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         ]])
         .doc("Places a defined group many times, each as multMatrix(matrix) and instance(name) would between a push and a pop. A blob holds floats as write_le writes them, 8 bytes each.")
         .usage("instances(\"car\", [[1, 0, 0, 2, 0, 1, 0, 0, 0, 0, 1, 0]])")
-        .example("define \"ball\" { sphere(0, 0, 0, 0.4); }\nlet matrices = [];\nfor x in -2..3 {\n  matrices.push([1, 0, 0, x,\n                 0, 1 + x * x / 2.0, 0, 0,\n                 0, 0, 1, 0]);\n}\ninstances(\"ball\", matrices);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndefine \"ball\" { diffuse(0.15, 0.35, 0.8); sphere(0, 0, 0, 0.4); }\nlet matrices = [];\nfor x in -2..3 {\n  matrices.push([1, 0, 0, x,\n                 0, 1 + x * x / 2.0, 0, 0,\n                 0, 0, 1, 0]);\n}\ninstances(\"ball\", matrices);")
         .also(&["scatter", "copies"]),
 ];
 

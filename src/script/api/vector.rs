@@ -28,7 +28,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .returns("vec3")
         .doc("A vector with + - * / (with vectors and numbers, component by component), unary -, ==, .x .y .z and v[0] v[1] v[2]. Arrays of three numbers may stand beside it: vec3(1, 2, 3) + [1, 0, 0].")
         .usage("vec3(1, 2, 3)")
-        .example("let a = vec3(1, 0, 0);\nlet b = (a + [0, 1, 0]) * 0.5;\nsphere(b, 0.5);\nsphere(-b, a.length());")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\nlet a = vec3(-2, -1, 0);\nlet step = (vec3(2, 1, 0) - a) / 8;\nfor i in 0..9 {\n  diffuse(0.1 * i, 0.3, 0.9 - 0.1 * i);\n  sphere(a + i * step, 0.15 + 0.02 * i);\n}")
         .also(&["vector", "vec", "Vec3", "vec3d"]),
     Entry::pure(Group::Vectors, "dot", |call| {
         let (a, b) = two(call)?;
@@ -72,7 +72,7 @@ pub(super) const ENTRIES: &[Entry] = &[
     .returns("vec3")
     .doc("The vector of length 1 in the same direction; also v.normalize().")
     .usage("normalize([3, 4, 0])")
-    .example("let d = normalize([1, 1, 1]);\nsphere(d * 2, 0.5);")
+    .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.15, 0.5, 0.4);\nfor i in 0..400 {   // scattered, but all as far from the middle\n  let d = normalize([random(-1, 1), random(-1, 1), random(-1, 1)]);\n  sphere(d * 1.5, 0.1);\n}")
     .also(&["normalized", "unit"]),
     Entry::pure(Group::Vectors, "distance", |call| {
         let (a, b) = two(call)?;
