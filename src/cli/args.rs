@@ -107,6 +107,12 @@ pub(super) enum Command {
     Verify(VerifyArgs),
     /// Print the hash of a scene's pixels and the hash of the scene, and nothing else
     Hash(HashArgs),
+    /// Tell about a function of the language, or about a command; without a name, list all functions
+    Help(HelpArgs),
+    /// Print a script that makes a shell complete what is typed after rtscript
+    Completions(CompletionsArgs),
+    /// Print the manual page, of the program or of one of its commands, for man
+    Man(ManArgs),
 }
 
 #[derive(Debug, Args)]
@@ -422,6 +428,43 @@ pub(super) struct HashArgs {
     /// Threads to render with; the hash is the same for any number [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(super) threads: Option<u16>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct HelpArgs {
+    /// A function (sphere), a constant, a group of functions (shapes) or a command (test)
+    #[arg(value_name = "NAME")]
+    pub(super) name: Option<String>,
+
+    /// The whole table as JSON, for programs
+    #[arg(long, group = "all", conflicts_with = "name")]
+    pub(super) json: bool,
+
+    /// Definitions for editors: a .d.rhai file
+    #[arg(long, group = "all", conflicts_with = "name")]
+    pub(super) definitions: bool,
+
+    /// Write the reference into a folder: reference.md with its pictures, api.json, rtscript.d.rhai
+    #[arg(long, value_name = "FOLDER", group = "all", conflicts_with = "name")]
+    pub(super) write: Option<PathBuf>,
+
+    /// The example's picture in the terminal
+    #[arg(long, value_name = "HOW", default_value = "auto")]
+    pub(super) pictures: TerminalPictures,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct CompletionsArgs {
+    /// The shell
+    #[arg(value_name = "SHELL")]
+    pub(super) shell: clap_complete::Shell,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ManArgs {
+    /// A command [default: the program]
+    #[arg(value_name = "COMMAND")]
+    pub(super) command: Option<String>,
 }
 
 /// `radius=0.5` to name and value, both as they may be.

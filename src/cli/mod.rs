@@ -8,9 +8,11 @@ mod check;
 mod convert;
 mod guard;
 mod hash;
+mod help;
 mod host;
 mod input;
 mod job;
+mod manual;
 mod new;
 mod params;
 mod picture;
@@ -76,6 +78,9 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
         Some(Command::Sweep(args)) => context.finish(args.quiet, |signals, reporter| {
             sweep::sweep(&args, signals, reporter)
         }),
+        Some(Command::Help(args)) => context.answer(false, |_, _| help::help(&args)),
+        Some(Command::Completions(args)) => context.finish(false, |_, _| manual::completions(&args)),
+        Some(Command::Man(args)) => context.answer(false, |_, _| manual::page(&args)),
         Some(Command::Test(args)) => context.test(&args),
         Some(Command::Render(args)) => context.render(&args),
         None => context.render(&cli.render),

@@ -5,6 +5,7 @@
 mod course;
 mod files;
 mod flags;
+mod help;
 mod messages;
 mod params;
 mod pictures;
