@@ -68,6 +68,51 @@ impl Group {
             Self::Random => "Random numbers and noise",
         }
     }
+
+    /// What its functions have in common.
+    #[must_use]
+    pub const fn doc(self) -> &'static str {
+        match self {
+            Self::Camera => {
+                "What the picture is and from where it is taken. Where one of these is called more than once, the last \
+                 call before the picture is rendered counts."
+            }
+            Self::Transform => {
+                "The current matrix says where shapes and lights go that are made from now on; each shape keeps the one \
+                 it was made under. The call nearest the shape acts first, as in OpenGL: translate, then rotate, then a \
+                 shape is a shape that is turned and then moved. group { } ends what was begun in it."
+            }
+            Self::Shapes => {
+                "All but spheres, triangles and polygons are centered at the origin with their axis along Y, and without \
+                 arguments as large as the unit cube, so that scale(w, h, d) gives their size. Any of them may be \
+                 moved, turned, stretched and sheared. Surfaces are seen from both sides."
+            }
+            Self::Materials => {
+                "The material is a state: it counts for all shapes made from now on, and group { } restores it. A point \
+                 has the color Ka + Ke + the sum over the lights of V L (Kd max(N.L, 0) + Ks max(N.H, 0)^s) + Kr times \
+                 what its mirror sees + Kt times what is seen through it. L is the light, V how much of it arrives, N \
+                 the normal, H the direction halfway between light and eye, s the shininess."
+            }
+            Self::Assets => "Files are read below the script's folder only. The same file is read once.",
+            Self::Lights => {
+                "Lights stand under the current matrix, as shapes do. What is opaque blocks them, what is transparent \
+                 tints them. Without any light, shapes show their ambient color and what they mirror."
+            }
+            Self::Output => {
+                "A script that renders nothing itself is rendered once when it ends. One that does can make several \
+                 pictures, and look at them."
+            }
+            Self::Parameters => "What the one who runs the script may decide, and what it is otherwise.",
+            Self::Vectors => "Points, directions and colors: three numbers that can be calculated with.",
+            Self::Maths => {
+                "The same bits on every machine. Angles are in radians here. Two whole numbers divided give a whole \
+                 number: 1 / 2 is 0, 1 / 2.0 is 0.5."
+            }
+            Self::Random => {
+                "The same numbers at each run and on every machine; another seed(n) gives others."
+            }
+        }
+    }
 }
 
 /// What a parameter takes.

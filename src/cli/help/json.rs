@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::{example::Example, forms::forms, markdown};
 use crate::{
     diag::Error,
-    script::{CONSTANTS, Entry, Kind, PROPERTIES, Param, entries},
+    script::{CONSTANTS, Entry, Group, Kind, PROPERTIES, Param, entries},
 };
 
 /// Everything: functions, properties, constants, and what the kinds of parameters are.
@@ -28,7 +28,12 @@ pub(super) fn api() -> Result<String, Error> {
         .into_iter()
         .map(|k| json!({ "name": k.name(), "three_numbers": k.spreads(), "doc": k.doc() }))
         .collect();
+    let groups: Vec<Value> = Group::ALL
+        .into_iter()
+        .map(|g| json!({ "name": g.title(), "doc": g.doc() }))
+        .collect();
     let api = json!({
+        "groups": groups,
         "functions": functions,
         "properties": properties,
         "constants": constants,

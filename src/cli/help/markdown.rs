@@ -64,7 +64,7 @@ pub(super) fn reference() -> Result<String, Error> {
     }
     page += "- [Properties](#properties) and [constants](#constants)\n";
     for group in Group::ALL {
-        line(&mut page, &format!("\n## {}", group.title()));
+        line(&mut page, &format!("\n## {}\n\n{}", group.title(), group.doc()));
         for entry in of(group) {
             function(&mut page, entry)?;
         }

@@ -37,9 +37,9 @@ pub(super) fn contents() -> String {
     text
 }
 
-/// The functions of one group.
+/// The functions of one group, and what they have in common.
 pub(super) fn group(group: Group) -> String {
-    list(group)
+    format!("{}\n{}\n", list(group), wrapped(group.doc(), 0))
 }
 
 fn list(group: Group) -> String {

@@ -18,19 +18,19 @@ pub(super) const ENTRIES: &[Entry] = &[
             int("width", "pixels", "across, at least 1"),
             int("height", "pixels", "down, at least 1"),
         ]])
-        .doc("The picture's size. Default: 640 x 480. The command's --size wins.")
+        .doc("The picture's size in pixels. Default: 640 x 480. Where the command is given --size, that counts instead.")
         .usage("size(640, 480)")
         .example("size(240, 80);\nbackground(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.8, 0.25, 0.15);\nfor x in -3..4 { sphere(x * 1.7, 0, 0, 0.75); }")
         .also(&["resolution", "imageSize", "canvas"]),
     Entry::scene(Group::Camera, "samples", samples)
         .takes(&[&[int("n", "rays per pixel", "1 is one ray through the center; more are jittered in strata")]])
-        .doc("Rays per pixel. Default: 1. The command's --samples wins.")
+        .doc("Rays per pixel: more of them make edges and soft shadows smooth, and take as much longer. Default: 1. Where the command is given --samples, that counts instead.")
         .usage("samples(16)")
         .example("samples(16);\nbackground(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ncamera([0, 1, 5], [0, 0.5, 0], [0, 1, 0], 45);\ndiffuse(checker(\"#fff\", \"#a33\", 1));\nplane();")
         .also(&["spp", "antialias", "aa"]),
     Entry::scene(Group::Camera, "maxDepth", max_depth)
         .takes(&[&[int("n", "bounces", "0 to 64")]])
-        .doc("Secondary bounces: the camera ray plus n reflected or refracted rays in a row. Default: 5.")
+        .doc("How many reflected or refracted rays in a row are followed after the camera ray; what lies behind the last is left out. Default: 5.")
         .usage("maxDepth(5)")
         .example("maxDepth(2);\nbackground(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.05, 0.05, 0.05);\nspecular(0.8, 0.8, 0.8);\nshininess(200);\nsphere(-1, 0, 0, 0.95);\nsphere(1, 0, 0, 0.95);\ndiffuse(0.9, 0.4, 0.1);\nspecular(0, 0, 0);\nsphere(0, -0.9, 1, 0.4);")
         .also(&["depth", "bounces", "maxBounces"]),
@@ -48,7 +48,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .also(&["gamma", "colorspace"]),
     Entry::scene(Group::Camera, "seed", seed)
         .takes(&[&[int("n", "none", "any whole number")]])
-        .doc("Seeds every random choice of the renderer, and starts random() anew. Default: 0. The command's --seed wins, and then this does nothing.")
+        .doc("Seeds every random choice of the renderer, and starts random() anew. Default: 0. Where the command is given --seed, that counts instead.")
         .usage("seed(42)")
         .example("seed(7);\nbackground(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\nfor i in 0..25 {\n  diffuse(hsv(random(360), 0.7, 0.9));\n  sphere(random(-2, 2), random(-1.5, 1.5), 0, 0.3);\n}")
         .also(&["randomSeed", "srand"]),
@@ -59,7 +59,7 @@ pub(super) const ENTRIES: &[Entry] = &[
             vec3("up", "none", "a direction that points up in the picture"),
             number("fovy", "degrees", "vertical field of view, between 0 and 180"),
         ]])
-        .doc("As gluLookAt and gluPerspective. The last call counts. Default: from [0, 0, 5] at [0, 0, 0], up [0, 1, 0], 45 degrees. The current matrix does not move it.")
+        .doc("Where the camera stands, what it looks at and how much it sees, as gluLookAt and gluPerspective have it. The last call counts. Default: from [0, 0, 5] at [0, 0, 0], up [0, 1, 0], 45 degrees. The current matrix does not move it.")
         .usage("camera([0, 1, 5], [0, 0, 0], [0, 1, 0], 45)")
         .example("camera([3, 2.5, 4], [0, 0, 0], [0, 1, 0], 35);\nbackground(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.8, 0.25, 0.15);\nbox(1.5, 1, 1);\ngroup { translate(0, -0.5, 0); diffuse(checker(\"#fff\", \"#3a7\", 1)); plane(); }")
         .also(&["lookAt", "gluLookAt", "perspective", "view"]),

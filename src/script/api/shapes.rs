@@ -24,7 +24,7 @@ const HEIGHT: Param = number_param("height", "object units", "greater than 0");
 pub(super) const ENTRIES: &[Entry] = &[
     Entry::scene(Group::Shapes, "sphere", sphere)
         .takes(&[&[
-            vec3("center", "object units", "the center"),
+            vec3("center", "object units", "its middle"),
             number_param("radius", "object units", "greater than 0"),
         ]])
         .doc("A sphere. Under scale(x, y, z) it is an ellipsoid.")

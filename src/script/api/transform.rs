@@ -36,7 +36,7 @@ pub(super) const ENTRIES: &[Entry] = &[
             vec3("axis", "none", "the axis, of any length but 0"),
             number("degrees", "degrees", "right-handed: about Y, from Z to X"),
         ]])
-        .doc("Turns what is made from now on about an axis through the origin.")
+        .doc("Turns what is made from now on about an axis through the origin, by the right-hand rule.")
         .usage("rotate(0, 1, 0, 45)")
         .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.9, 0.6, 0.1);\nfor i in 0..12 {\n  group {\n    rotate(0, 0, 1, i * 30);\n    translate(0, 1.3, 0);\n    box(0.25, 0.8, 0.25);\n  }\n}")
         .also(&["rotateX", "rotateY", "rotateZ", "turn"]),
@@ -45,7 +45,7 @@ pub(super) const ENTRIES: &[Entry] = &[
             &[vec3("v", "none", "factors along x, y and z; none may be 0")],
             &[number("s", "none", "one factor for all axes")],
         ])
-        .doc("Stretches what is made from now on.")
+        .doc("Stretches what is made from now on, away from the origin. A negative factor mirrors.")
         .usage("scale(2, 1, 1)")
         .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.8, 0.25, 0.15);\nscale(2, 1, 1);\nsphere(0, 0, 0, 1);"),
     Entry::scene(Group::Transform, "multMatrix", mult_matrix)
