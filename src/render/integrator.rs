@@ -3,6 +3,7 @@
 use super::{
     interrupt::Interrupt,
     lighting::{self, Gloss},
+    observe::{Observer, RayKind},
     sampler::Sampler,
     world::{Hit, Probe, SurfacePoint, World},
 };
@@ -79,13 +80,14 @@ const LEAST_WEIGHT: f64 = 1.0 / (1 << 20) as f64;
 const POINTS_PER_POLL: u64 = 64;
 
 /// Light along a camera ray, of which it is known what it meets first.
-pub(super) fn radiance(
+pub(super) fn radiance<O: Observer>(
     world: &World<'_>,
     (probe, first): (Probe, Option<Hit>),
     sampler: Sampler,
     interrupt: &Interrupt<'_>,
     Stack(waiting): &mut Stack,
     counts: &mut Counts,
+    observer: &mut O,
 ) -> Color {
     let settings = &world.scene.settings;
     let mut path = Path {
@@ -105,13 +107,17 @@ pub(super) fn radiance(
     while let Some(Pending { probe, weight, depth }) = next.or_else(|| waiting.pop()) {
         next = None;
         let ray = probe.ray;
+        observer.ray(&ray, weight, depth);
         let hit = known
             .take()
             .unwrap_or_else(|| world.nearest(&probe, f64::INFINITY));
         let Some((hit, at)) = hit.and_then(|hit| seen(world, &probe, hit)) else {
-            sum += weight * settings.background;
+            let added = weight * settings.background;
+            observer.background(added);
+            sum += added;
             continue;
         };
+        observer.surface(&hit, &ray, &at);
         let term = |term| world.term(term, &at);
         let m = at.material;
         let gloss = Gloss {
@@ -119,17 +125,22 @@ pub(super) fn radiance(
             specular: term(&m.specular),
             exponent: Exponent::new(m.shininess),
         };
-        let mut local = term(&m.ambient) + term(&m.emission);
-        local += lighting::direct(world, &at, hit.number, ray.origin, &gloss, &path, counts);
-        sum += weight * local;
+        let (ambient, emission) = (term(&m.ambient), term(&m.emission));
+        let direct = lighting::direct(
+            world, &at, hit.number, ray.origin, &gloss, &path, counts, observer,
+        );
+        let added = weight * (ambient + emission + direct);
+        observer.shaded(ambient, emission, direct, added);
+        sum += added;
         path.vertex += 1;
         if path.vertex.is_multiple_of(POINTS_PER_POLL) && interrupt.poll() {
             return Color::ZERO;
         }
         if depth == settings.max_depth {
+            observer.deepest(world, &at, &ray, weight);
             continue;
         }
-        let (mirrored, refracted) = split(world, &at, &ray, weight);
+        let (mirrored, refracted) = split(world, &at, &ray, weight, observer);
         // The mirrored ray goes first.
         for (branch, count) in [
             (refracted, &mut counts.refracted),
@@ -176,7 +187,7 @@ fn seen<'s>(world: &World<'s>, probe: &Probe, hit: Hit) -> Option<(Hit, SurfaceP
 }
 
 /// A ray that goes on from a surface.
-struct Branch {
+pub(super) struct Branch {
     dir: DVec3,
     /// Share of what it sees that reaches the camera.
     weight: Color,
@@ -184,16 +195,22 @@ struct Branch {
 
 /// The mirrored and the refracted ray at a surface that `weight` of what it sends out reaches the camera from,
 /// those that are worth following. Total internal reflection adds Kt to the mirror.
-fn split(
+pub(super) fn split<O: Observer>(
     world: &World<'_>,
     at: &SurfacePoint<'_>,
     ray: &Ray,
     weight: Color,
+    observer: &mut O,
 ) -> (Option<Branch>, Option<Branch>) {
     let n = at.shading_normal;
     let mut kr = world.term(&at.material.mirror(), at);
     let kt = world.term(&at.material.transmission, at);
-    let followed = |share: Color| Some(weight * share).filter(|w| w.max_element() >= LEAST_WEIGHT);
+    let followed = |kind, share: Color, observer: &mut O| {
+        let weight = weight * share;
+        let is_followed = weight.max_element() >= LEAST_WEIGHT;
+        observer.branch(kind, share, weight, is_followed);
+        is_followed.then_some(weight)
+    };
     let mut through = None;
     if kt != Color::ZERO {
         let eta = if at.from_front {
@@ -202,11 +219,16 @@ fn split(
             at.material.ior
         };
         match refract(ray.dir, n, eta) {
-            Some(dir) => through = followed(kt).map(|weight| Branch { dir, weight }),
-            None => kr += kt,
+            Some(dir) => {
+                through = followed(RayKind::Refracted, kt, observer).map(|weight| Branch { dir, weight });
+            }
+            None => {
+                observer.total_reflection(kt);
+                kr += kt;
+            }
         }
     }
-    let mirror = followed(kr).map(|weight| {
+    let mirror = followed(RayKind::Reflected, kr, observer).map(|weight| {
         let mirrored = ray.dir - n * (2.0 * ray.dir.dot(n));
         Branch {
             dir: mirrored / mirrored.length(),

@@ -2,6 +2,7 @@
 
 use super::{
     integrator::{Counts, Path},
+    observe::{Arrived, Observer},
     world::{Blocker, FewObstacles, PACKET, Probe, SurfacePoint, World},
 };
 use crate::{
@@ -86,7 +87,7 @@ fn fall_off(attenuation: &Attenuation, distance: &Lanes, cells: f64) -> Lanes {
 }
 
 /// What a point and the one who looks at it have to do with all lights.
-struct Lit<'a> {
+pub(super) struct Lit<'a> {
     world: &'a World<'a>,
     at: &'a SurfacePoint<'a>,
     number: u64,
@@ -95,7 +96,11 @@ struct Lit<'a> {
 }
 
 /// Sum over lights of V L (Kd max(N.L, 0) + Ks max(N.H, 0)^s) at a point seen from `eye`.
-pub(super) fn direct(
+#[allow(
+    clippy::too_many_arguments,
+    reason = "one more than allowed, and all of them differ in kind"
+)]
+pub(super) fn direct<O: Observer>(
     world: &World<'_>,
     at: &SurfacePoint<'_>,
     number: u64,
@@ -103,6 +108,7 @@ pub(super) fn direct(
     gloss: &Gloss,
     path: &Path<'_>,
     counts: &mut Counts,
+    observer: &mut O,
 ) -> Color {
     let mut sum = Color::ZERO;
     if gloss.diffuse == Color::ZERO && gloss.specular == Color::ZERO {
@@ -117,9 +123,11 @@ pub(super) fn direct(
         gloss,
     };
     for (index, light) in world.scene.root().lights.iter().enumerate() {
+        observer.light(index);
         match &light.kind {
             LightKind::Directional { direction } => {
-                lit.add(&mut sum, light.color, *direction, f64::INFINITY, counts);
+                let color = light.color;
+                lit.add(&mut sum, color, *direction, f64::INFINITY, counts, observer);
             }
             LightKind::Point {
                 position,
@@ -131,7 +139,7 @@ pub(super) fn direct(
                 }
                 let distance = offset.length();
                 let color = light.color * attenuation.at(distance);
-                lit.add(&mut sum, color, offset / distance, distance, counts);
+                lit.add(&mut sum, color, offset / distance, distance, counts, observer);
             }
             LightKind::Area {
                 corner,
@@ -154,12 +162,15 @@ pub(super) fn direct(
                 for first in (0..n * n).step_by(LANES) {
                     let samples = area.samples(first, at.position, attenuation, path);
                     match &mut together {
-                        Some(together) => together.add(&mut sum, light.color, &samples, counts),
-                        None => lit.add_samples(&mut sum, light.color, &samples, few.as_ref(), counts),
+                        Some(together) => together.add(&mut sum, light.color, &samples, counts, observer),
+                        None => {
+                            let few = few.as_ref();
+                            lit.add_samples(&mut sum, light.color, &samples, few, counts, observer);
+                        }
                     }
                 }
                 if let Some(mut together) = together {
-                    together.finish(&mut sum);
+                    together.finish(&mut sum, observer);
                 }
             }
         }
@@ -265,12 +276,61 @@ impl Lit<'_> {
 
     /// Adds what comes from one point of a light to `sum`.
     #[inline]
-    fn add(&self, sum: &mut Color, arriving: Color, towards: DVec3, distance: f64, counts: &mut Counts) {
+    fn add<O: Observer>(
+        &self,
+        sum: &mut Color,
+        arriving: Color,
+        towards: DVec3,
+        distance: f64,
+        counts: &mut Counts,
+        observer: &mut O,
+    ) {
         let response = self.respond(towards);
         if response != Color::ZERO {
             counts.shadow += 1;
-            *sum += self.visibility(towards, distance, None) * arriving * response;
+            *sum += self.arrived((towards, distance), None, arriving, response, observer);
         }
+    }
+
+    /// What is added for light that `arriving` of arrives from a point of a light where nothing is in between.
+    #[inline]
+    fn arrived<O: Observer>(
+        &self,
+        (towards, distance): (DVec3, f64),
+        few: Option<&FewObstacles>,
+        arriving: Color,
+        response: Color,
+        observer: &mut O,
+    ) -> Color {
+        let (probe, reach) = self.shadow_ray(towards, distance);
+        let visible = self.world.share_through(&probe, reach, few);
+        let added = visible * arriving * response;
+        let arrived = Arrived {
+            probe: &probe,
+            reach,
+            arriving,
+            visible,
+            added,
+        };
+        observer.arrived(self, &arrived);
+        added
+    }
+
+    /// The diffuse and the specular part of [`Lit::respond`].
+    pub(super) fn respond_in_parts(&self, towards: DVec3) -> [Color; 2] {
+        let Gloss {
+            diffuse,
+            specular,
+            exponent,
+        } = *self.gloss;
+        [(diffuse, Color::ZERO), (Color::ZERO, specular)].map(|(diffuse, specular)| {
+            let gloss = &Gloss {
+                diffuse,
+                specular,
+                exponent,
+            };
+            Lit { gloss, ..*self }.respond(towards)
+        })
     }
 
     /// Kd max(N.L, 0) + Ks max(N.H, 0)^s (Blinn, 1977, with H halfway between light and eye).
@@ -295,13 +355,14 @@ impl Lit<'_> {
     }
 
     /// As [`Lit::add`] for each of several points in turn, `color` being the light's.
-    fn add_samples(
+    fn add_samples<O: Observer>(
         &self,
         sum: &mut Color,
         color: Color,
         samples: &Samples,
         few: Option<&FewObstacles>,
         counts: &mut Counts,
+        observer: &mut O,
     ) {
         let response = self.respond_to_all(samples);
         let arriving = three(|k| each(|i| color[k] * samples.share[i]));
@@ -320,15 +381,27 @@ impl Lit<'_> {
             });
             for i in 0..LANES {
                 counts.shadow += u64::from(seen[i]);
-                *sum += Color::new(x[i], y[i], z[i]);
+                let added = Color::new(x[i], y[i], z[i]);
+                if O::WATCHES && seen[i] {
+                    let (probe, reach) = self.shadow_ray(samples.towards(i), samples.distance[i]);
+                    let arrived = Arrived {
+                        probe: &probe,
+                        reach,
+                        arriving: Color::new(arriving[0][i], arriving[1][i], arriving[2][i]),
+                        visible: Color::ONE,
+                        added,
+                    };
+                    observer.arrived(self, &arrived);
+                }
+                *sum += added;
             }
             return;
         }
         for i in (0..samples.len).filter(|i| lit(*i)) {
             counts.shadow += 1;
-            let visible = self.visibility(samples.towards(i), samples.distance[i], few);
             let at = |lanes: &[Lanes; 3]| Color::new(lanes[0][i], lanes[1][i], lanes[2][i]);
-            *sum += visible * at(&arriving) * at(&response);
+            let place = (samples.towards(i), samples.distance[i]);
+            *sum += self.arrived(place, few, at(&arriving), at(&response), observer);
         }
     }
 
@@ -375,21 +448,18 @@ impl Lit<'_> {
         })
     }
 
-    /// The share of light that comes through from a point of a light.
-    fn visibility(&self, towards: DVec3, distance: f64, few: Option<&FewObstacles>) -> Color {
-        let (probe, reach) = self.shadow_ray(towards, distance);
-        self.world.share_through(&probe, reach, few)
-    }
-
     /// The ray to a point of a light, and how far it looks.
     #[inline]
     fn shadow_ray(&self, towards: DVec3, distance: f64) -> (Probe, f64) {
         let at = self.at;
         let probe = Probe::from_surface(Ray::new(at.position, towards), self.number, at.scale);
         // A light may lie in the very surface that shows where it is: stop short of it.
-        (probe, distance * (1.0 - 1e-7))
+        (probe, distance * SHORT)
     }
 }
+
+/// How much of the way to a light a shadow ray looks.
+pub(super) const SHORT: f64 = 1.0 - 1e-7;
 
 /// Points of an area light whose shadow rays are traced together.
 struct Together<'l, 'a> {
@@ -416,7 +486,14 @@ impl<'l, 'a> Together<'l, 'a> {
     }
 
     /// As [`Lit::add_samples`], now or later.
-    fn add(&mut self, sum: &mut Color, color: Color, samples: &Samples, counts: &mut Counts) {
+    fn add<O: Observer>(
+        &mut self,
+        sum: &mut Color,
+        color: Color,
+        samples: &Samples,
+        counts: &mut Counts,
+        observer: &mut O,
+    ) {
         let response = self.lit.respond_to_all(samples);
         for i in 0..samples.len {
             let response = Color::new(response[0][i], response[1][i], response[2][i]);
@@ -430,13 +507,13 @@ impl<'l, 'a> Together<'l, 'a> {
             self.response[at] = response;
             self.len += 1;
             if self.len == PACKET {
-                self.finish(sum);
+                self.finish(sum, observer);
             }
         }
     }
 
     /// Adds what waits, in order.
-    fn finish(&mut self, sum: &mut Color) {
+    fn finish<O: Observer>(&mut self, sum: &mut Color, observer: &mut O) {
         let (len, world) = (self.len.min(PACKET), self.lit.world);
         let mut found = [Blocker::None; PACKET];
         world.blockers(&self.probes[..len], &self.reach[..len], &mut found[..len]);
@@ -446,7 +523,16 @@ impl<'l, 'a> Together<'l, 'a> {
                 Blocker::Opaque => Color::ZERO,
                 Blocker::Transparent => world.share_through(&self.probes[i], self.reach[i], None),
             };
-            *sum += visible * self.arriving[i] * self.response[i];
+            let added = visible * self.arriving[i] * self.response[i];
+            let arrived = Arrived {
+                probe: &self.probes[i],
+                reach: self.reach[i],
+                arriving: self.arriving[i],
+                visible,
+                added,
+            };
+            observer.arrived(self.lit, &arrived);
+            *sum += added;
         }
         self.len = 0;
     }

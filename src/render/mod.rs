@@ -1,14 +1,17 @@
 //! From a [`Scene`] to an [`Image`].
 
+pub mod explain;
 mod film;
 mod integrator;
 mod interrupt;
 mod lighting;
+mod observe;
 pub(crate) mod sampler;
 mod tiles;
 mod world;
 
 pub use film::{Image, quantize};
+pub use observe::RayKind;
 pub use world::{RayHit, World};
 
 use std::time::Duration;

@@ -18,7 +18,11 @@ use super::{
     sampler::{Sampler, mix, stratified},
     world::{PACKET, Probe, World},
 };
-use crate::{color::Color, host::Host, scene::CameraFrame};
+use crate::{
+    color::Color,
+    host::Host,
+    scene::{CameraFrame, Settings},
+};
 
 /// Edge of a tile in pixels unless the options say otherwise: small enough that no thread idles at the end.
 const TILE: u32 = 16;
@@ -205,7 +209,8 @@ impl Square<'_> {
                     return;
                 }
                 let seen = (*probe, *hit);
-                let light = integrator::radiance(self.world, seen, *sampler, self.interrupt, stack, counts);
+                let light =
+                    integrator::radiance(self.world, seen, *sampler, self.interrupt, stack, counts, &mut ());
                 sums[i / count] += light;
             }
         }
@@ -216,13 +221,17 @@ impl Square<'_> {
 
     /// The camera ray of a pixel's sample.
     fn shot(&self, pixel: u32, index: u32) -> (Probe, Sampler) {
-        let s = &self.world.scene.settings;
-        let (x, y) = (self.at.0 + pixel % self.size.0, self.at.1 + pixel / self.size.0);
-        let sampler = Sampler::new(s.seed, x, y, index);
-        let (dx, dy) = stratified(index, s.samples, |dimension| sampler.get(dimension));
-        let ray = self.frame.ray(f64::from(x) + dx, f64::from(y) + dy);
-        (Probe::from_space(ray), sampler)
+        let place = (self.at.0 + pixel % self.size.0, self.at.1 + pixel / self.size.0);
+        shot(&self.world.scene.settings, self.frame, place, index)
     }
+}
+
+/// The camera ray of a sample of the pixel in this column and row.
+pub(super) fn shot(s: &Settings, frame: &CameraFrame, (x, y): (u32, u32), index: u32) -> (Probe, Sampler) {
+    let sampler = Sampler::new(s.seed, x, y, index);
+    let (dx, dy) = stratified(index, s.samples, |dimension| sampler.get(dimension));
+    let ray = frame.ray(f64::from(x) + dx, f64::from(y) + dy);
+    (Probe::from_space(ray), sampler)
 }
 
 #[cfg(test)]

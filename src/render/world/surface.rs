@@ -114,16 +114,21 @@ impl<'s> World<'s> {
     }
 
     /// The material of the primitive with this number.
-    pub(super) fn material(&self, mut number: u64) -> Option<&'s Material> {
+    pub(super) fn material(&self, number: u64) -> Option<&'s Material> {
+        self.scene.materials.get(self.material_id(number)?.index())
+    }
+
+    /// The handle of [`World::material`].
+    pub(crate) fn material_id(&self, mut number: u64) -> Option<MaterialId> {
         let mut level = self.root()?;
         let mut placing_material = MaterialId::INHERIT;
-        let id = loop {
+        loop {
             let (primitive, rest) = level.by_number(number);
             let object = match primitive {
                 Primitive::Triangle(i) => {
                     let run = level.run(i)?;
                     if let Some(own) = self.face_material(run, i) {
-                        break own;
+                        return Some(own);
                     }
                     run.object
                 }
@@ -137,11 +142,11 @@ impl<'s> World<'s> {
                     continue;
                 }
             };
-            break self
-                .object(level, object)
-                .map_or(placing_material, |object| object.material);
-        };
-        self.scene.materials.get(id.index())
+            return Some(
+                self.object(level, object)
+                    .map_or(placing_material, |object| object.material),
+            );
+        }
     }
 
     /// The material of a triangle that does not look as the object that places it.

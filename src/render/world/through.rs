@@ -49,7 +49,12 @@ impl World<'_> {
 
     /// As [`World::share_through`], from surface to surface, a search for each: however near to each other they
     /// are and whatever they look like.
-    pub(super) fn share_by_steps(&self, mut probe: Probe, t_max: f64) -> Color {
+    pub(super) fn share_by_steps(&self, probe: Probe, t_max: f64) -> Color {
+        self.steps(probe, t_max, |_, _| {})
+    }
+
+    /// As [`World::share_by_steps`], telling `met` the number and Kt of each surface on the way.
+    pub(crate) fn steps(&self, mut probe: Probe, t_max: f64, mut met: impl FnMut(u64, Color)) -> Color {
         let dir = probe.ray.dir;
         let mut rest = t_max;
         let mut share = Color::ONE;
@@ -61,7 +66,9 @@ impl World<'_> {
             let Some(surface) = self.surface(&hit, &probe.ray) else {
                 return Color::ZERO;
             };
-            share *= self.term(&surface.material.transmission, &surface);
+            let transmission = self.term(&surface.material.transmission, &surface);
+            met(hit.number, transmission);
+            share *= transmission;
             if share == Color::ZERO {
                 return share;
             }

@@ -1,0 +1,277 @@
+//! Why a pixel has its value: the tree of rays behind it, with every term that was added up.
+
+mod record;
+#[cfg(test)]
+mod tests;
+
+use super::{
+    integrator::{self, Counts, Stack},
+    interrupt::Interrupt,
+    observe::RayKind,
+    tiles::shot,
+    world::World,
+};
+use crate::{
+    color::Color,
+    diag::{Diagnostic, Error, ErrorKind},
+    host::Host,
+    math::DVec3,
+    scene::{MaterialId, Object},
+};
+use record::Recorder;
+
+/// Why a pixel has its value.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Explanation<'s> {
+    /// Column, from the left.
+    pub x: u32,
+    /// Row, from the top.
+    pub y: u32,
+    /// Scene-linear value: the mean of the samples, to the bit what a render gives.
+    pub value: Color,
+    /// Its camera rays in order, with what follows from them.
+    pub samples: Vec<ExplainedSample<'s>>,
+}
+
+/// One camera ray and all that follows from it.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct ExplainedSample<'s> {
+    /// Scene-linear value; black where it was no finite number.
+    pub value: Color,
+    /// The camera ray first, then each ray followed at once by the mirrored ray that leaves where it ends, with all
+    /// that follows from that, then by the refracted one.
+    pub rays: Vec<ExplainedRay<'s>>,
+}
+
+/// One ray and what it met.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct ExplainedRay<'s> {
+    /// Where it comes from.
+    pub kind: RayKind,
+    /// Index among the sample's rays of the ray that this one goes on from; `None` for the camera's.
+    pub parent: Option<usize>,
+    /// Surfaces between the camera and its start.
+    pub depth: u32,
+    /// Its start, in world space.
+    pub origin: DVec3,
+    /// Its direction, a unit vector.
+    pub direction: DVec3,
+    /// Share of what it sees that reaches the camera.
+    pub weight: Color,
+    /// What this ray adds to the sample's value: `weight` times the background, or times what its hit sends out.
+    pub added: Color,
+    /// What it met; `None` is the background.
+    pub hit: Option<Box<ExplainedHit<'s>>>,
+}
+
+/// What a ray met, and what is to be seen there.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct ExplainedHit<'s> {
+    /// Distance along the ray.
+    pub t: f64,
+    /// The point, in world space.
+    pub position: DVec3,
+    /// Unit normal that is used for shading, turned to the side that the ray came from.
+    pub normal: DVec3,
+    /// Unit normal of the true surface, turned likewise.
+    pub geometric_normal: DVec3,
+    /// Whether the ray came from the front: the outside of a solid.
+    pub from_front: bool,
+    /// Number of the primitive, unique over all instances.
+    pub number: u64,
+    /// The objects that lead to it: instances outermost first, last what was hit.
+    pub objects: Vec<&'s Object>,
+    /// How it looks; `None` where it cannot be told.
+    pub material: Option<MaterialId>,
+    /// Ka.
+    pub ambient: Color,
+    /// Ke.
+    pub emission: Color,
+    /// Sum of what the lights add.
+    pub direct: Color,
+    /// What each light adds; none where the material answers no light.
+    pub lights: Vec<LightTerm<'s>>,
+    /// The rays that could go on: refracted, mirrored.
+    pub branches: Vec<ExplainedBranch>,
+}
+
+impl ExplainedHit<'_> {
+    /// What the point sends out by itself: Ka + Ke and what the lights add.
+    #[must_use]
+    pub fn local(&self) -> Color {
+        let mut direct = Color::ZERO;
+        for sample in self.lights.iter().flat_map(|light| &light.samples) {
+            direct += sample.added;
+        }
+        self.ambient + self.emission + direct
+    }
+}
+
+/// What a light adds at a point.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct LightTerm<'s> {
+    /// Index among the lights of the root group.
+    pub light: usize,
+    /// Points of the light that shadow rays went to. Those are missing to which the surface answers nothing, because
+    /// they lie behind it.
+    pub samples: Vec<LightSample<'s>>,
+}
+
+impl LightTerm<'_> {
+    /// Sum of what its points add.
+    #[must_use]
+    pub fn added(&self) -> Color {
+        self.samples.iter().fold(Color::ZERO, |sum, s| sum + s.added)
+    }
+}
+
+/// What one point of a light adds.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct LightSample<'s> {
+    /// Unit vector from the surface to it.
+    pub direction: DVec3,
+    /// Distance to it; infinite for a directional light.
+    pub distance: f64,
+    /// Light that arrives where nothing is in between.
+    pub arriving: Color,
+    /// Share of that which comes through.
+    pub visible: Color,
+    /// What the diffuse term makes of what comes through.
+    pub diffuse: Color,
+    /// What the highlight makes of it.
+    pub specular: Color,
+    /// What it adds: the sum of both, but for rounding.
+    pub added: Color,
+    /// What is in between, nearest first, up to the first opaque thing.
+    pub obstacles: Vec<Obstacle<'s>>,
+}
+
+/// Something between a point and a light.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Obstacle<'s> {
+    /// The objects that lead to it, outermost first.
+    pub objects: Vec<&'s Object>,
+    /// Share of light that it lets through: its Kt. 0 for what is opaque.
+    pub share: Color,
+}
+
+/// A ray that could go on from a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ExplainedBranch {
+    /// Reflected or refracted.
+    pub kind: RayKind,
+    /// Kr or Kt at the point; a mirror's holds Kt at total internal reflection.
+    pub share: Color,
+    /// Share of what it would see that would reach the camera.
+    pub weight: Color,
+    /// What became of it.
+    pub outcome: BranchOutcome,
+}
+
+/// What became of a ray that could go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BranchOutcome {
+    /// It is the ray with this index.
+    Followed(usize),
+    /// Its weight is below 2^-20 in every channel.
+    TooWeak,
+    /// The path is as deep as the scene's `maxDepth` allows.
+    TooDeep,
+    /// Nothing is refracted at this angle: total internal reflection. Its share is in the mirror's.
+    TotalReflection,
+}
+
+impl ExplainedSample<'_> {
+    /// The value, added up from every light's terms on: to the bit [`ExplainedSample::value`], unless that is black
+    /// because it was no finite number.
+    #[must_use]
+    pub fn sum(&self, background: Color) -> Color {
+        let mut sum = Color::ZERO;
+        for ray in &self.rays {
+            let sent = ray.hit.as_ref().map_or(background, |hit| hit.local());
+            sum += ray.weight * sent;
+        }
+        sum
+    }
+}
+
+impl World<'_> {
+    /// Why the pixel in column `x`, row `y` from the top has its value. The whole trees of rays of all its samples are
+    /// in it; [`World::explain_sample`] takes one after the other.
+    ///
+    /// # Errors
+    /// `Script` outside the picture, `Cancelled` where the host asks to stop.
+    pub fn explain(&self, x: u32, y: u32, host: &dyn Host) -> Result<Explanation<'_>, Error> {
+        let count = self.scene.settings.samples;
+        let mut samples = Vec::new();
+        let mut sum = Color::ZERO;
+        for index in 0..count {
+            let sample = self.explain_sample(x, y, index, host)?;
+            sum += sample.value;
+            samples.push(sample);
+        }
+        Ok(Explanation {
+            x,
+            y,
+            value: sum / f64::from(count),
+            samples,
+        })
+    }
+
+    /// As [`World::explain`] for the pixel's sample `index` alone, counted from 0.
+    ///
+    /// # Errors
+    /// As [`World::explain`]; `Script` where there is no such sample.
+    pub fn explain_sample(
+        &self,
+        x: u32,
+        y: u32,
+        index: u32,
+        host: &dyn Host,
+    ) -> Result<ExplainedSample<'_>, Error> {
+        let s = &self.scene.settings;
+        let wrong = |what: String| Error::from(Diagnostic::error(ErrorKind::Script, what));
+        if x >= s.width || y >= s.height {
+            return Err(wrong(format!(
+                "there is no pixel {x},{y} in a picture of {} x {}: they count from 0,0 at the top left",
+                s.width, s.height
+            )));
+        }
+        if index >= s.samples {
+            return Err(wrong(format!(
+                "there is no sample {index}: a pixel has {} here, counted from 0",
+                s.samples
+            )));
+        }
+        let frame = self.scene.camera.frame(s.width, s.height);
+        let (probe, sampler) = shot(s, &frame, (x, y), index);
+        let interrupt = Interrupt::new(host);
+        let mut recorder = Recorder::new(self);
+        let seen = (probe, self.nearest(&probe, f64::INFINITY));
+        let (mut stack, mut counts) = (Stack::default(), Counts::default());
+        let value = integrator::radiance(
+            self,
+            seen,
+            sampler,
+            &interrupt,
+            &mut stack,
+            &mut counts,
+            &mut recorder,
+        );
+        if interrupt.is_stopped() {
+            return Err(Diagnostic::error(ErrorKind::Cancelled, "the explanation was stopped").into());
+        }
+        Ok(ExplainedSample {
+            value,
+            rays: recorder.rays,
+        })
+    }
+}
