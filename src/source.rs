@@ -119,6 +119,7 @@ fn load_course(name: &str, text: &str, limits: &Limits, options: &RunOptions) ->
         scene,
         pictures: Vec::new(),
         parameters: Vec::new(),
+        calls: Vec::new(),
     };
     Ok(Report { value: run, warnings })
 }

@@ -42,6 +42,16 @@ Examples:
   rtscript sweep scene.rhai -D radius=0.1..1:10                 ten pictures
   rtscript sweep scene.rhai -D radius=0.1..1:5 -D seed=1..4 --grid --size 160x120";
 
+const AFTER_WHY: &str = "\
+Examples:
+  rtscript why scene.rhai 320,240                      the pixel in column 320, row 240 from the top left
+  rtscript why scene.png 320,240                       the same of a picture that rtscript wrote
+  rtscript why scene.rhai 320,240 --image rays.png     its rays drawn into the picture: reflected cyan, refracted
+                                                       magenta, to lights yellow, tinted green, blocked red
+
+The terms of all rays add up to the pixel's linear value. A scene's size decides what its pixels are: give the --size \
+that the picture was rendered with.";
+
 /// Renders pictures that are written as code.
 ///
 /// A scene is a Rhai script (.rhai) or a scene of the CSE167 course (.test).
@@ -113,6 +123,9 @@ pub(super) enum Command {
     Completions(CompletionsArgs),
     /// Print the manual page, of the program or of one of its commands, for man
     Man(ManArgs),
+    /// Tell why a pixel has its value: what it shows, the calls that made that, every ray and light behind it
+    #[command(after_help = AFTER_WHY)]
+    Why(WhyArgs),
 }
 
 #[derive(Debug, Args)]
@@ -465,6 +478,44 @@ pub(super) struct ManArgs {
     /// A command [default: the program]
     #[arg(value_name = "COMMAND")]
     pub(super) command: Option<String>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct WhyArgs {
+    /// The scene (.rhai or .test), - for a script on standard input, or a PNG that rtscript wrote
+    #[arg(value_name = "FILE")]
+    pub(super) file: PathBuf,
+
+    /// The pixel: column and row from the top left, both from 0
+    #[arg(value_name = "X,Y", value_parser = parse_pixel)]
+    pub(super) pixel: (u32, u32),
+
+    /// The sample whose rays are told, from 0
+    #[arg(long, value_name = "N", default_value = "0")]
+    pub(super) sample: u32,
+
+    /// As JSON, with all digits and all rays
+    #[arg(long)]
+    pub(super) json: bool,
+
+    /// Draw the rays into the picture and write it here: a .png, .jpg or .ppm file
+    #[arg(long, value_name = "FILE")]
+    pub(super) image: Option<PathBuf>,
+
+    /// Where pictures and models are that the script reads [default: the file's folder]
+    #[arg(long, value_name = "FOLDER")]
+    pub(super) assets: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(super) overrides: Overrides,
+}
+
+/// `320,240` to column and row.
+fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
+    let pixel = text
+        .split_once(',')
+        .and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?)));
+    pixel.ok_or_else(|| "expected column and row from the top left, such as 320,240".to_owned())
 }
 
 /// `radius=0.5` to name and value, both as they may be.

@@ -23,8 +23,10 @@ mod rerun;
 mod sheet;
 mod signals;
 mod stats;
+mod subject;
 mod sweep;
 mod test;
+mod why;
 
 use std::{
     collections::BTreeMap,
@@ -81,6 +83,9 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
         Some(Command::Help(args)) => context.answer(false, |_, _| help::help(&args)),
         Some(Command::Completions(args)) => context.finish(false, |_, _| manual::completions(&args)),
         Some(Command::Man(args)) => context.answer(false, |_, _| manual::page(&args)),
+        Some(Command::Why(args)) => {
+            context.finish(false, |signals, reporter| why::why(&args, signals, reporter))
+        }
         Some(Command::Test(args)) => context.test(&args),
         Some(Command::Render(args)) => context.render(&args),
         None => context.render(&cli.render),

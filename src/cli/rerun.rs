@@ -149,7 +149,7 @@ impl Again<'_> {
 }
 
 /// The recipe of a picture file, and the file's bytes.
-fn read(path: &Path) -> Result<(Recipe, Vec<u8>), Error> {
+pub(super) fn read(path: &Path) -> Result<(Recipe, Vec<u8>), Error> {
     let mut bytes = Vec::new();
     File::open(path)
         .and_then(|file| file.take(MOST_BYTES).read_to_end(&mut bytes))
@@ -174,7 +174,7 @@ fn decode(path: &Path, bytes: &[u8]) -> Result<Image, Error> {
     Ok(from_rgb8(pixels.width(), pixels.height(), pixels.as_raw()))
 }
 
-fn no_recipe(path: &Path) -> Error {
+pub(super) fn no_recipe(path: &Path) -> Error {
     Diagnostic::error(
         ErrorKind::Input,
         format!("'{}' carries no recipe", path.display()),

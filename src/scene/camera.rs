@@ -107,6 +107,31 @@ impl CameraFrame {
         let dir = self.u * a + self.v * b - self.w;
         Ray::new(self.eye, dir / dir.length())
     }
+
+    /// Where in the picture the line from `a` to `b` is seen, in pixels from the top left corner, as far as it lies in
+    /// front of the camera; `None` where none of it does. The ends may lie beyond the picture.
+    #[must_use]
+    pub fn project(&self, a: DVec3, b: DVec3) -> Option<[[f64; 2]; 2]> {
+        let [da, db] = [a, b].map(|p| (self.eye - p).dot(self.w));
+        // A pinhole sees up to 90 degrees from its axis, where a picture's plane is infinitely far away.
+        let near = 1e-6 * da.abs().max(db.abs());
+        if !(da > near || db > near) {
+            return None;
+        }
+        let at_near = a + (b - a) * ((near - da) / (db - da));
+        let ends = [
+            if da > near { a } else { at_near },
+            if db > near { b } else { at_near },
+        ];
+        Some(ends.map(|p| {
+            let p = p - self.eye;
+            let depth = -p.dot(self.w);
+            [
+                (p.dot(self.u) / (depth * self.tan_x) + 1.0) * 0.5 * self.width,
+                (1.0 - p.dot(self.v) / (depth * self.tan_y)) * 0.5 * self.height,
+            ]
+        }))
+    }
 }
 
 #[cfg(test)]
@@ -136,6 +161,22 @@ mod tests {
         assert!((top.y + top.z).abs() < 1e-15, "45 degrees up: {top}");
         let right = frame.ray(200.0, 50.0).dir;
         assert!((right.x + 2.0 * right.z).abs() < 1e-15, "twice as wide: {right}");
+    }
+
+    #[test]
+    fn what_a_ray_goes_through_is_seen_where_it_came_from() {
+        let camera = Camera::new(DVec3::new(1.0, 2.0, 6.0), DVec3::X, DVec3::Y, 70.0).unwrap();
+        let frame = camera.frame(64, 48);
+        let points = [[3.0, 7.0], [60.0, 44.5]];
+        let [a, b] = [(points[0], 2.0), (points[1], 9.0)].map(|([x, y], t)| frame.ray(x, y).at(t));
+        let near = |seen: [[f64; 2]; 2], wanted: [[f64; 2]; 2]| {
+            let pairs = seen.as_flattened().iter().zip(wanted.as_flattened());
+            pairs.for_each(|(a, b)| assert!((a - b).abs() < 1e-9, "{seen:?} {wanted:?}"));
+        };
+        near(frame.project(a, b).unwrap(), points);
+        let behind = camera.eye * 2.0 - a;
+        assert_eq!(frame.project(behind, behind), None);
+        near([frame.project(behind, b).unwrap()[1]; 2], [points[1]; 2]);
     }
 
     #[test]

@@ -234,6 +234,16 @@ fn write_light(line: &mut String, light: &Light) -> fmt::Result {
     write_loc(line, light.loc)
 }
 
+impl Material {
+    /// Its terms that are not the default's, as a dump has them.
+    pub(crate) fn text(&self) -> String {
+        let mut text = String::new();
+        // Writing into a String does not fail.
+        let _ = write_material(&mut text, self);
+        text.trim_start().to_owned()
+    }
+}
+
 fn write_material(line: &mut String, material: &Material) -> fmt::Result {
     let default = Material::default();
     let terms = [

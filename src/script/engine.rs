@@ -162,7 +162,7 @@ fn invoke(entry: &'static Entry, ctx: &NativeCallContext<'_>, args: &mut [&mut D
     let result = match entry.run {
         Run::Pure(run) => run(&mut call),
         Run::Scene(run) => with_state(|state| {
-            state.called(ctx.global_runtime_state().source.as_ref(), ctx.call_position());
+            state.called(ctx.global_runtime_state().source.as_ref(), ctx.call_position())?;
             run(&mut call, state)
         })
         .unwrap_or_else(|| Err(internal("a scene function outside a run"))),
@@ -298,7 +298,7 @@ fn begin(
     begin: impl FnOnce(&mut crate::scene::Builder) -> Result<GroupMark, SceneError>,
 ) -> Result<GroupMark, Box<EvalAltResult>> {
     let mark: Option<Outcome<GroupMark>> = with_state(|state| {
-        state.called(ctx.global_runtime_state().source.as_ref(), pos);
+        state.called(ctx.global_runtime_state().source.as_ref(), pos)?;
         begin(&mut state.builder).map_err(Into::into)
     });
     let mark = mark.unwrap_or_else(|| Err(internal("a block outside a run")));

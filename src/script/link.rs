@@ -260,7 +260,7 @@ mod tests {
             host,
             render: &options.render,
         };
-        script.run_here(&caller, &options)
+        script.run_here(&caller, &options, None)
     }
 
     #[test]

@@ -37,10 +37,10 @@ use crate::{
     limits::Limits,
     parameters::{Declared, Parameters},
     render::{Image, RenderOptions, RenderStats},
-    scene::Scene,
+    scene::{GroupId, Scene},
 };
 use link::{Caller, Remote, StopOnDrop};
-use session::{Running, Source, State};
+use session::{Running, Source, State, Watch};
 use value::ScriptError;
 
 /// Stack of the script's thread. Rhai walks its syntax tree by recursion, and drops chains of closures so.
@@ -95,6 +95,24 @@ pub struct Run {
     pub pictures: Vec<Picture>,
     /// The parameters that it declared, in order.
     pub parameters: Vec<Declared>,
+    /// Where the run ended at a call that was looked for, how it came there.
+    pub(crate) calls: Vec<CallSite>,
+}
+
+/// A place in a script from which something was called.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct CallSite {
+    /// The function that the call stands in, or `a closure`; `None` outside all functions.
+    pub function: Option<String>,
+    /// The file as its reader knows it.
+    pub file: String,
+    /// Line, from 1; 0 where unknown.
+    pub line: u32,
+    /// Column in characters, from 1; 0 where unknown.
+    pub column: u32,
+    /// It is an import of a module, whose code outside functions made the call, not a call.
+    pub imports: bool,
 }
 
 /// A picture that a script rendered.
@@ -168,24 +186,75 @@ impl Script {
     /// Whatever ends the script early, with its place and the calls that led there: [`Error::kind`] tells the
     /// script's own fault from a limit, a missing file, a refusal of the host or its wish to stop.
     pub fn run(&self, host: &dyn Host, options: &RunOptions) -> Result<Report<Run>, Error> {
+        self.run_watched(host, options, None)
+    }
+
+    /// The calls that made an object of the scene that a run with this host and these options left behind, `index`
+    /// being its place in the group: innermost first, the call of the scene function, then that of the function which
+    /// it stands in, and so on. Runs the script twice more, to find which of the calls in its place the object's is,
+    /// and to stop there. Empty where there is no such object, and where the script catches what stops it.
+    ///
+    /// # Errors
+    /// As [`Script::run`].
+    pub fn call_stack(
+        &self,
+        host: &dyn Host,
+        options: &RunOptions,
+        scene: &Scene,
+        (group, index): (GroupId, usize),
+    ) -> Result<Vec<CallSite>, Error> {
+        let object = |scene: &Scene| {
+            let objects = scene.groups.get(group.index()).map(|group| &group.objects);
+            objects
+                .and_then(|objects| objects.get(index))
+                .map(|object| object.loc)
+        };
+        let Some(loc) = object(scene) else {
+            return Ok(Vec::new());
+        };
+        let watch = |last| Watch { loc, last, count: 0 };
+        let numbered = self.run_watched(host, options, Some(watch(None)))?;
+        let Some(number) = object(&numbered.value.scene).filter(|loc| loc.file == u16::MAX) else {
+            return Ok(Vec::new());
+        };
+        let stopped = self.run_watched(host, options, Some(watch(Some(number.line))))?;
+        Ok(stopped.value.calls)
+    }
+
+    fn run_watched(
+        &self,
+        host: &dyn Host,
+        options: &RunOptions,
+        watch: Option<Watch>,
+    ) -> Result<Report<Run>, Error> {
         let caller = Caller {
             host,
             render: &options.render,
         };
         if HAS_THREADS {
-            self.run_on_deep_stack(&caller, options)
+            self.run_on_deep_stack(&caller, options, watch)
         } else {
-            self.run_here(&caller, options)
+            self.run_here(&caller, options, watch)
         }
     }
 
-    fn run_here(&self, caller: &Caller<'_>, options: &RunOptions) -> Result<Report<Run>, Error> {
-        let guarded = || caller.call(|remote| self.evaluate(remote, options));
+    fn run_here(
+        &self,
+        caller: &Caller<'_>,
+        options: &RunOptions,
+        watch: Option<Watch>,
+    ) -> Result<Report<Run>, Error> {
+        let guarded = || caller.call(|remote| self.evaluate(remote, options, watch));
         catch_unwind(AssertUnwindSafe(guarded))
             .unwrap_or_else(|panic| Err(internal(self.name(), &panic_text(&*panic))))
     }
 
-    fn run_on_deep_stack(&self, caller: &Caller<'_>, options: &RunOptions) -> Result<Report<Run>, Error> {
+    fn run_on_deep_stack(
+        &self,
+        caller: &Caller<'_>,
+        options: &RunOptions,
+        watch: Option<Watch>,
+    ) -> Result<Report<Run>, Error> {
         let stop: Arc<AtomicBool> = Arc::default();
         let (remote, incoming) = Remote::pair(Arc::clone(&stop));
         thread::scope(|scope| {
@@ -194,7 +263,7 @@ impl Script {
                 .name("rtscript script".to_owned())
                 .stack_size(STACK_BYTES)
                 .spawn_scoped(scope, move || {
-                    catch_unwind(AssertUnwindSafe(|| self.evaluate(remote, options)))
+                    catch_unwind(AssertUnwindSafe(|| self.evaluate(remote, options, watch)))
                 })
                 .map_err(|e| internal(self.name(), &format!("cannot start the script's thread: {e}")))?;
             caller.serve(&incoming, &stop);
@@ -207,8 +276,13 @@ impl Script {
     }
 
     /// Runs the script on the current thread.
-    fn evaluate(&self, remote: Remote, options: &RunOptions) -> Result<Report<Run>, Error> {
-        let mut state = State::new(self.source.clone(), &self.limits, options, remote);
+    fn evaluate(
+        &self,
+        remote: Remote,
+        options: &RunOptions,
+        watch: Option<Watch>,
+    ) -> Result<Report<Run>, Error> {
+        let mut state = State::new(self.source.clone(), &self.limits, options, remote, watch);
         if let Err(e) = preset(&mut state) {
             let mut d = Diagnostic::error(e.kind, e.message);
             d.hints = e.hints;
@@ -234,6 +308,12 @@ impl Script {
             },
             (result, _) => result,
         };
+        if state.found_call {
+            let calls = result.err().map(|e| errors::call_stack(&e, self.name()));
+            let mut found = self.finish(*state, Ok(()))?;
+            found.value.calls = calls.unwrap_or_default();
+            return Ok(found);
+        }
         self.finish(*state, result)
     }
 
@@ -278,6 +358,7 @@ impl Script {
                     scene: report.value,
                     pictures,
                     parameters,
+                    calls: Vec::new(),
                 },
                 warnings,
             }),

@@ -35,6 +35,18 @@ pub(crate) struct Source {
     pub(crate) text: Arc<str>,
 }
 
+/// Looks for one of the calls that stand in the same place of a script.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Watch {
+    /// The place.
+    pub(super) loc: SourceLoc,
+    /// The call with this number, from 1, ends the run. Where there is none, whatever such a call makes has the call's
+    /// number in place of a line.
+    pub(super) last: Option<u32>,
+    /// Calls so far.
+    pub(super) count: u32,
+}
+
 /// Everything scene functions change.
 pub(crate) struct State {
     pub(crate) builder: Builder,
@@ -43,6 +55,12 @@ pub(crate) struct State {
     pub(crate) random: Stream,
     /// Where the first call of a scene function stands: the edition may only be chosen there.
     pub(crate) first: Option<SourceLoc>,
+    /// The next call is looked at more closely: it is the first, or calls are watched.
+    look_closer: bool,
+    /// Calls that are watched.
+    watch: Option<Watch>,
+    /// The run ended at the call that was looked for.
+    pub(super) found_call: bool,
     /// Settings the caller has decided; the script's own calls do not change them.
     pub(crate) size: Option<(u32, u32)>,
     pub(crate) samples: Option<u32>,
@@ -75,7 +93,13 @@ pub(crate) struct State {
 
 impl State {
     /// The state at the start of a script.
-    pub(super) fn new(main: Source, limits: &Limits, options: &RunOptions, host: Remote) -> Self {
+    pub(super) fn new(
+        main: Source,
+        limits: &Limits,
+        options: &RunOptions,
+        host: Remote,
+        watch: Option<Watch>,
+    ) -> Self {
         let mut builder = Builder::with_limits(limits.clone());
         let current_file = builder.file(&main.name);
         Self {
@@ -84,6 +108,9 @@ impl State {
             host,
             random: Stream::new(options.seed.unwrap_or(0)),
             first: None,
+            look_closer: true,
+            watch,
+            found_call: false,
             size: options.size,
             samples: options.samples,
             seed: options.seed,
@@ -105,10 +132,42 @@ impl State {
     }
 
     /// Notes a call of a scene function and where it stands.
+    ///
+    /// # Errors
+    /// Where the run is watched and was to go no further than here.
     #[inline]
-    pub(super) fn called(&mut self, source: Option<&ImmutableString>, pos: Position) {
+    pub(super) fn called(&mut self, source: Option<&ImmutableString>, pos: Position) -> Outcome<()> {
         self.at(source, pos);
-        self.first.get_or_insert(self.builder.loc());
+        if self.look_closer {
+            return self.look_closer();
+        }
+        Ok(())
+    }
+
+    #[cold]
+    fn look_closer(&mut self) -> Outcome<()> {
+        let loc = self.builder.loc();
+        self.first.get_or_insert(loc);
+        let Some(watch) = &mut self.watch else {
+            self.look_closer = false;
+            return Ok(());
+        };
+        if loc != watch.loc {
+            return Ok(());
+        }
+        watch.count += 1;
+        if watch.last == Some(watch.count) {
+            let here = ScriptError::new("the call that was looked for");
+            self.ended = Some(here.clone());
+            self.found_call = true;
+            return Err(here);
+        }
+        self.builder.set_loc(SourceLoc {
+            line: watch.count,
+            column: 0,
+            file: u16::MAX,
+        });
+        Ok(())
     }
 
     /// Notes where the script calls from.

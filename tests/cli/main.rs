@@ -17,6 +17,7 @@ mod sweep;
 #[cfg(unix)]
 mod system;
 mod usage;
+mod why;
 
 use std::{
     fs,

@@ -5,7 +5,7 @@ mod syntax;
 
 use rhai::{AST, EvalAltResult, ParseError, Position};
 
-use super::{names, session::Source, value::ScriptError};
+use super::{CallSite, names, session::Source, value::ScriptError};
 use crate::{
     diag::{Diagnostic, ErrorKind},
     limits::Limits,
@@ -63,34 +63,9 @@ pub(super) fn of_parse(error: &ParseError, file: &str, context: &Context<'_>) ->
 
 /// A run that ended with an error.
 pub(super) fn of_run(error: &EvalAltResult, context: &Context<'_>) -> Diagnostic {
-    let mut file = context.main().to_owned();
-    let mut caller: Option<&str> = None;
-    let mut calls = Vec::new();
-    let mut error = error;
-    loop {
-        match error {
-            EvalAltResult::ErrorInFunctionCall(name, source, inner, pos) => {
-                calls.push(call_note(caller, &file, *pos));
-                caller = Some(name);
-                if !source.is_empty() {
-                    file.clone_from(source);
-                }
-                error = inner;
-            }
-            EvalAltResult::ErrorInModule(name, inner, pos) => {
-                calls.push(format!("imported at {}", at(&file, *pos)));
-                caller = None;
-                file.clone_from(name);
-                error = inner;
-            }
-            _ => break,
-        }
-    }
-    let mut pos = error.position();
-    if let Some((source, raised)) = script_error(error).and_then(|e| e.place) {
-        pos = raised;
-        file = source.unwrap_or(file);
-    }
+    let way = way(error, context.main());
+    let (error, file, pos) = (way.error, way.place.file, way.place.pos);
+    let mut calls: Vec<String> = way.steps.iter().map(call_note).collect();
     let mut d = match script_error(error).and_then(|e| e.of_file) {
         Some(d) => {
             calls.push(format!("named at {}", at(&file, pos)));
@@ -119,11 +94,109 @@ fn at(file: &str, pos: Position) -> String {
     }
 }
 
-fn call_note(caller: Option<&str>, file: &str, pos: Position) -> String {
-    match caller {
-        Some(name) if names::is_closure(name) => format!("called from a closure at {}", at(file, pos)),
-        Some(name) => format!("called from {name}() at {}", at(file, pos)),
-        None => format!("called at {}", at(file, pos)),
+/// A place that a run came through.
+struct Step<'e> {
+    /// The function it is in; `None` outside all functions.
+    function: Option<&'e str>,
+    file: String,
+    pos: Position,
+    /// It is an import, not a call.
+    imports: bool,
+}
+
+/// How a run came to an error.
+struct Way<'e> {
+    /// The calls and imports, outermost first.
+    steps: Vec<Step<'e>>,
+    /// Where the error was raised.
+    place: Step<'e>,
+    /// The error without the calls around it.
+    error: &'e EvalAltResult,
+}
+
+/// Takes an error apart that was raised in a run of the file `main`.
+fn way<'e>(mut error: &'e EvalAltResult, main: &str) -> Way<'e> {
+    let mut file = main.to_owned();
+    let mut function: Option<&str> = None;
+    let mut steps = Vec::new();
+    loop {
+        let (imports, pos, inner) = match error {
+            EvalAltResult::ErrorInFunctionCall(_, _, inner, pos) => (false, *pos, inner),
+            EvalAltResult::ErrorInModule(_, inner, pos) => (true, *pos, inner),
+            _ => break,
+        };
+        steps.push(Step {
+            function,
+            file: file.clone(),
+            pos,
+            imports,
+        });
+        match error {
+            EvalAltResult::ErrorInFunctionCall(name, source, ..) => {
+                function = Some(name);
+                if !source.is_empty() {
+                    file.clone_from(source);
+                }
+            }
+            EvalAltResult::ErrorInModule(name, ..) => {
+                function = None;
+                file.clone_from(name);
+            }
+            _ => {}
+        }
+        error = inner;
+    }
+    let mut pos = error.position();
+    if let Some((source, raised)) = script_error(error).and_then(|e| e.place) {
+        pos = raised;
+        file = source.unwrap_or(file);
+    }
+    Way {
+        steps,
+        place: Step {
+            function,
+            file,
+            pos,
+            imports: false,
+        },
+        error,
+    }
+}
+
+/// The calls that led to an error, innermost first: the one that raised it, then the one that called the function
+/// which that stands in, and so on. Empty where the error went through the script's hands on the way.
+pub(super) fn call_stack(error: &EvalAltResult, main: &str) -> Vec<CallSite> {
+    let way = way(error, main);
+    if way.place.pos.is_none() || !matches!(way.error, EvalAltResult::ErrorRuntime(..)) {
+        return Vec::new();
+    }
+    let all = way.steps.into_iter().chain([way.place]);
+    let mut sites: Vec<CallSite> = all
+        .map(|step| CallSite {
+            function: step.function.map(|name| {
+                if names::is_closure(name) {
+                    "a closure".to_owned()
+                } else {
+                    name.to_owned()
+                }
+            }),
+            file: step.file,
+            line: step.pos.line().unwrap_or(0) as u32,
+            column: step.pos.position().unwrap_or(0) as u32,
+            imports: step.imports,
+        })
+        .collect();
+    sites.reverse();
+    sites
+}
+
+fn call_note(step: &Step<'_>) -> String {
+    let place = at(&step.file, step.pos);
+    match step.function {
+        _ if step.imports => format!("imported at {place}"),
+        Some(name) if names::is_closure(name) => format!("called from a closure at {place}"),
+        Some(name) => format!("called from {name}() at {place}"),
+        None => format!("called at {place}"),
     }
 }
 
