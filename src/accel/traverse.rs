@@ -64,6 +64,11 @@ impl Bvh {
         self.traverse_by::<ANY>(Simd::detect(), ray, t_near, bound, visitor);
     }
 
+    /// As [`Bvh::traverse`] to the end, by the same instructions on every machine: it visits the same leaves everywhere.
+    pub fn traverse_everywhere(&self, ray: &RayBox, t_near: f32, bound: f32, visitor: &mut impl Visitor) {
+        self.traverse_by::<true>(Simd::Portable, ray, t_near, bound, visitor);
+    }
+
     #[inline(always)]
     #[cfg_attr(
         not(target_arch = "x86_64"),

@@ -126,6 +126,8 @@ pub(super) enum Command {
     /// Tell why a pixel has its value: what it shows, the calls that made that, every ray and light behind it
     #[command(after_help = AFTER_WHY)]
     Why(WhyArgs),
+    /// Say which lines of a script the work for a picture goes to, counted in rays and in boxes that they touch
+    Blame(BlameArgs),
 }
 
 #[derive(Debug, Args)]
@@ -146,6 +148,11 @@ pub(super) struct RenderArgs {
     /// Threads to render with; the picture is the same for any number [default: one for each processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(super) threads: Option<u16>,
+
+    /// Show something else than light, through the middle of each pixel: normals, texture coordinates, distances,
+    /// objects or lines of the script by color, what each pixel costs [default name: scene-WHAT.png]
+    #[arg(long, value_name = "WHAT", conflicts_with = "stats")]
+    pub(super) show: Option<ShowWhat>,
 
     /// Leave out of a PNG what it was made from: script, modules, parameters, version, hash
     #[arg(long)]
@@ -508,6 +515,59 @@ pub(super) struct WhyArgs {
 
     #[command(flatten)]
     pub(super) overrides: Overrides,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct BlameArgs {
+    /// The scene (.rhai or .test), - for a script on standard input, or a PNG that rtscript wrote
+    #[arg(value_name = "FILE")]
+    pub(super) file: PathBuf,
+
+    /// Write a heat map here, what costs most white: a .png, .jpg or .ppm file
+    #[arg(long, value_name = "FILE")]
+    pub(super) image: Option<PathBuf>,
+
+    /// As JSON: an array of objects with file, line, text, pixels, rays, shadow_rays, boxes
+    #[arg(long)]
+    pub(super) json: bool,
+
+    /// Where pictures and models are that the script reads [default: the file's folder]
+    #[arg(long, value_name = "FOLDER")]
+    pub(super) assets: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(super) overrides: Overrides,
+}
+
+/// What a picture shows instead of light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum ShowWhat {
+    /// Normals in world space: x, y, z from -1 to 1 as red, green, blue
+    Normal,
+    /// Texture coordinates: u as red, v as green
+    Uv,
+    /// Distance from the camera: near white, far dark, evenly in 1 / distance
+    Depth,
+    /// A color for each object
+    Object,
+    /// A color for each line of the script
+    Line,
+    /// What each pixel costs: much is white
+    Cost,
+}
+
+impl ShowWhat {
+    /// As it is typed.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Normal => "normal",
+            Self::Uv => "uv",
+            Self::Depth => "depth",
+            Self::Object => "object",
+            Self::Line => "line",
+            Self::Cost => "cost",
+        }
+    }
 }
 
 /// `320,240` to column and row.

@@ -67,10 +67,13 @@ impl Input {
     }
 
     /// The name of its picture where none is given: `scene.png` for `folder/scene.rhai`, `out.png` for standard
-    /// input.
-    pub(super) fn picture_name(&self) -> PathBuf {
+    /// input. A picture of something else than light says of what: `scene-depth.png`.
+    pub(super) fn picture_name(&self, shown: Option<&str>) -> PathBuf {
         let stem = self.path.as_deref().and_then(Path::file_stem);
         let mut name = stem.unwrap_or("out".as_ref()).to_owned();
+        for part in shown.into_iter().flat_map(|shown| ["-", shown]) {
+            name.push(part);
+        }
         name.push(".png");
         PathBuf::from(name)
     }
@@ -115,7 +118,7 @@ mod tests {
 
     #[test]
     fn pictures_are_named_after_their_scene() {
-        let name = |path: &str| Input::new(Path::new(path)).picture_name();
+        let name = |path: &str| Input::new(Path::new(path)).picture_name(None);
         assert_eq!(name("a/scene.rhai"), Path::new("scene.png"));
         assert_eq!(name("scene1.v2.test"), Path::new("scene1.v2.png"));
         assert_eq!(name("noending"), Path::new("noending.png"));

@@ -4,6 +4,7 @@
 //! error. The library underneath never prints and opens no file.
 
 mod args;
+mod blame;
 mod check;
 mod convert;
 mod guard;
@@ -21,6 +22,7 @@ mod range;
 mod report;
 mod rerun;
 mod sheet;
+mod show;
 mod signals;
 mod stats;
 mod subject;
@@ -86,6 +88,9 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
         Some(Command::Why(args)) => {
             context.finish(false, |signals, reporter| why::why(&args, signals, reporter))
         }
+        Some(Command::Blame(args)) => {
+            context.finish(false, |signals, reporter| blame::blame(&args, signals, reporter))
+        }
         Some(Command::Test(args)) => context.test(&args),
         Some(Command::Render(args)) => context.render(&args),
         None => context.render(&cli.render),
@@ -122,7 +127,10 @@ impl Context {
         };
         let mut code = 0;
         for job in &jobs {
-            let this = self.finish(args.quiet, |signals, reporter| job.run(args, signals, reporter));
+            let this = self.finish(args.quiet, |signals, reporter| match args.show {
+                Some(what) => show::run(job, what, args, signals, reporter),
+                None => job.run(args, signals, reporter),
+            });
             code = if code == 0 { this } else { code };
             if self.signals.caught().is_some() {
                 break;
@@ -175,7 +183,7 @@ fn jobs(args: &RenderArgs) -> Result<Vec<Job>, String> {
     let mut taken: BTreeMap<PathBuf, String> = BTreeMap::new();
     let mut jobs = Vec::new();
     for input in inputs {
-        let name = input.picture_name();
+        let name = input.picture_name(args.show.map(|what| what.name()));
         let target = match &folder {
             Some(folder) => Target::Given(folder.join(name)),
             None => Target::Default(name),

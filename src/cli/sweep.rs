@@ -30,7 +30,7 @@ const MOST: usize = 10_000;
 /// `Input` where there are too many combinations; whatever keeps one from being rendered or written, with its values.
 pub(super) fn sweep(args: &SweepArgs, signals: &Arc<Signals>, reporter: Reporter) -> Result<(), Error> {
     let input = Input::new(&args.file);
-    let stem = input.picture_name();
+    let stem = input.picture_name(None);
     let stem = stem
         .file_stem()
         .unwrap_or_default()

@@ -7,6 +7,7 @@ mod interrupt;
 mod lighting;
 mod observe;
 pub(crate) mod sampler;
+pub mod show;
 mod tiles;
 mod world;
 
@@ -95,19 +96,24 @@ pub struct Rendered {
 /// # Errors
 /// `Cancelled` where the host asks to stop, `Limit` where instancing multiplies past 2^62 primitives.
 pub fn render(scene: &Scene, options: &RenderOptions, host: &dyn Host) -> Result<Report<Rendered>, Error> {
-    if options.threads == 0 || cfg!(target_family = "wasm") {
-        return render_here(scene, options, host);
+    on_threads(options.threads, || render_here(scene, options, host))
+}
+
+/// Does something on as many threads; 0 is those of the current pool.
+fn on_threads<T: Send>(threads: usize, f: impl FnOnce() -> Result<T, Error> + Send) -> Result<T, Error> {
+    if threads == 0 || cfg!(target_family = "wasm") {
+        return f();
     }
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(options.threads)
+        .num_threads(threads)
         .build()
         .map_err(|e| {
             Diagnostic::error(
                 ErrorKind::Internal,
-                format!("cannot start {} threads: {e}", options.threads),
+                format!("cannot start {threads} threads: {e}"),
             )
         })?;
-    pool.install(|| render_here(scene, options, host))
+    pool.install(f)
 }
 
 /// Renders on the threads of the current pool.

@@ -11,6 +11,7 @@ mod params;
 mod pictures;
 mod recipes;
 mod scripts;
+mod show;
 mod snapshots;
 mod starts;
 mod sweep;

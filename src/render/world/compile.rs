@@ -54,6 +54,7 @@ impl<'s> World<'s> {
             scene,
             levels: compiler.levels,
             packets: true,
+            uv_everywhere: false,
         })
     }
 }

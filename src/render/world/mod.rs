@@ -18,6 +18,7 @@ mod tests;
 mod through;
 #[cfg(test)]
 mod through_tests;
+mod touched;
 mod trace;
 
 pub(crate) use crate::accel::PACKET;
@@ -53,6 +54,8 @@ pub struct World<'s> {
     levels: Vec<Level<'s>>,
     /// Rays that go together are traced in packets; off for tests that compare.
     pub(crate) packets: bool,
+    /// Texture coordinates are wanted of every surface, also where no texture asks for them.
+    pub(crate) uv_everywhere: bool,
 }
 
 /// What a ray met.

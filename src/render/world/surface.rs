@@ -25,7 +25,7 @@ pub(crate) struct SurfacePoint<'s> {
     pub(crate) material: &'s Material,
     /// Size of the numbers that `position` was computed from.
     pub(crate) scale: f64,
-    uv: DVec2,
+    pub(crate) uv: DVec2,
     object_position: DVec3,
 }
 
@@ -288,24 +288,27 @@ impl<'s> World<'s> {
     }
 
     fn has_textures(&self) -> bool {
-        !self.scene.textures.is_empty()
+        !self.scene.textures.is_empty() || self.uv_everywhere
     }
 
     fn is_textured(&self, material: MaterialId) -> bool {
-        self.has_textures()
-            && self.scene.materials.get(material.index()).is_some_and(|m| {
-                [
-                    Some(m.ambient),
-                    Some(m.emission),
-                    Some(m.diffuse),
-                    Some(m.specular),
-                    m.reflection,
-                    Some(m.transmission),
-                ]
-                .iter()
-                .flatten()
-                .any(|term| term.texture.is_some())
-            })
+        self.has_textures() && (self.uv_everywhere || self.has_texture(material))
+    }
+
+    fn has_texture(&self, material: MaterialId) -> bool {
+        self.scene.materials.get(material.index()).is_some_and(|m| {
+            [
+                Some(m.ambient),
+                Some(m.emission),
+                Some(m.diffuse),
+                Some(m.specular),
+                m.reflection,
+                Some(m.transmission),
+            ]
+            .iter()
+            .flatten()
+            .any(|term| term.texture.is_some())
+        })
     }
 
     /// The value of a material's term at a point.

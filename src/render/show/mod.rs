@@ -1,0 +1,202 @@
+//! Pictures of something else than light: normals, texture coordinates, depth, which object, which line, what it costs.
+
+mod cost;
+mod ramp;
+
+pub use cost::{PixelCost, costs};
+
+use rayon::prelude::*;
+
+use super::{
+    RenderOptions,
+    film::Image,
+    interrupt::Interrupt,
+    on_threads,
+    sampler::mix,
+    world::{Probe, World},
+};
+use crate::{
+    color::Color,
+    diag::{Diagnostic, Error, ErrorKind},
+    host::Host,
+    math::DVec3,
+    scene::{Encoding, Scene},
+};
+
+/// What a picture shows instead of light, along the ray through the middle of each pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Show {
+    /// The normal used for shading, in world space: x, y, z from -1 to 1 as red, green, blue from 0 to 1.
+    Normal,
+    /// Texture coordinates: the fractions of u and v as red and green. On a triangle without any, the weights of its
+    /// second and third corner.
+    Uv,
+    /// Distance from the camera: the nearest white, the farthest nearly black, evenly in 1 / distance, so that an endless
+    /// plane leaves something to the rest.
+    Depth,
+    /// A color for each object, the same in every picture that has the object at the same place in its groups.
+    Object,
+    /// A color for each line of a script that made something.
+    Line,
+    /// Rays and boxes of the tree that they touch, over all samples and everything that follows from them, from black
+    /// over red to white on a logarithmic scale.
+    Cost,
+}
+
+/// What the middle of a pixel meets.
+struct Met {
+    t: f64,
+    number: u64,
+    normal: DVec3,
+    uv: [f64; 2],
+}
+
+/// Renders what `what` says of a scene. Where nothing is met, the picture is black. It is the same on any number of
+/// threads; its 8 bits are its values times 255, whatever the scene's encoding.
+///
+/// # Errors
+/// `Cancelled` where the host asks to stop, `Limit` where instancing multiplies past 2^62 primitives.
+pub fn show(scene: &Scene, what: Show, options: &RenderOptions, host: &dyn Host) -> Result<Image, Error> {
+    on_threads(options.threads, || show_here(scene, what, host))
+}
+
+fn show_here(scene: &Scene, what: Show, host: &dyn Host) -> Result<Image, Error> {
+    let (width, height) = (scene.settings.width, scene.settings.height);
+    if what == Show::Cost {
+        let costs = costs(scene, host)?;
+        return Ok(heat_map(scene, &costs));
+    }
+    let mut world = World::compile(scene)?;
+    world.uv_everywhere = true;
+    let met = met(&world, host)?;
+    let depths = || met.iter().flatten().map(|met| met.t);
+    let (near, far) = (
+        depths().fold(f64::INFINITY, f64::min),
+        depths().fold(0.0, f64::max),
+    );
+    let color = |met: &Met| match what {
+        Show::Normal => (met.normal + DVec3::ONE) * 0.5,
+        Show::Uv => Color::new(fraction(met.uv[0]), fraction(met.uv[1]), 0.0),
+        Show::Depth if far > near => {
+            let farthest = near / far;
+            Color::splat(0.1 + 0.9 * (near / met.t - farthest) / (1.0 - farthest))
+        }
+        Show::Depth => Color::ONE,
+        Show::Object => {
+            let path = world.places_of(met.number);
+            ramp::distinct(path.iter().fold(0, |key, (group, index)| {
+                mix(mix(key ^ u64::from(group.0)) ^ u64::from(*index))
+            }))
+        }
+        Show::Line | Show::Cost => {
+            let loc = world.objects_of(met.number).last().map(|object| object.loc);
+            let file = loc.and_then(|loc| scene.files.get(usize::from(loc.file)));
+            // A scene is called by its path from where the command runs; its name alone is the same everywhere.
+            let name = file.map_or("", |file| file.rsplit('/').next().unwrap_or(file));
+            let key = name.bytes().fold(0, |key, byte| mix(key ^ u64::from(byte)));
+            ramp::distinct(mix(key ^ loc.map_or(0, |loc| u64::from(loc.line))))
+        }
+    };
+    let pixels = met
+        .iter()
+        .map(|met| met.as_ref().map_or(Color::ZERO, color).to_array());
+    Ok(Image::new(width, height, Encoding::Raw, pixels.collect()))
+}
+
+/// What each pixel costs, from black over red to white.
+#[must_use]
+pub fn heat_map(scene: &Scene, costs: &[PixelCost]) -> Image {
+    let most = costs.iter().map(PixelCost::work).max().unwrap_or(0);
+    let scale = |work: u64| crate::math::ln(1.0 + work as f64);
+    let pixels = costs.iter().map(|cost| {
+        let share = scale(cost.work()) / scale(most).max(f64::MIN_POSITIVE);
+        ramp::heat(share).to_array()
+    });
+    let s = &scene.settings;
+    Image::new(s.width, s.height, Encoding::Raw, pixels.collect())
+}
+
+/// From 0 up to, but not including, 1.
+fn fraction(x: f64) -> f64 {
+    x - x.floor()
+}
+
+/// What the ray through the middle of each pixel meets, rows from the top.
+fn met(world: &World<'_>, host: &dyn Host) -> Result<Vec<Option<Met>>, Error> {
+    let s = &world.scene.settings;
+    let frame = world.scene.camera.frame(s.width, s.height);
+    by_rows(world.scene, host, |x, y, _| {
+        let ray = frame.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let hit = world.nearest(&Probe::from_space(ray), f64::INFINITY)?;
+        let at = world.surface(&hit, &ray)?;
+        Some(Met {
+            t: hit.t,
+            number: hit.number,
+            normal: at.shading_normal,
+            uv: at.uv.to_array(),
+        })
+    })
+}
+
+/// `pixel` of every column and row, rows from the top, on all threads.
+fn by_rows<T: Send>(
+    scene: &Scene,
+    host: &dyn Host,
+    pixel: impl Fn(u32, u32, &Interrupt<'_>) -> T + Sync,
+) -> Result<Vec<T>, Error> {
+    let (width, height) = (scene.settings.width, scene.settings.height);
+    let interrupt = Interrupt::new(host);
+    let rows: Vec<Vec<T>> = (0..height)
+        .into_par_iter()
+        .map(|y| {
+            if interrupt.poll() {
+                return Vec::new();
+            }
+            (0..width).map(|x| pixel(x, y, &interrupt)).collect()
+        })
+        .collect();
+    if interrupt.is_stopped() {
+        return Err(Diagnostic::error(ErrorKind::Cancelled, "the render was stopped").into());
+    }
+    Ok(rows.into_iter().flatten().collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Builder, NoHost, scene::Term};
+
+    fn pair() -> Scene {
+        let mut b = Builder::new();
+        b.size(40, 20).unwrap();
+        b.directional(DVec3::Z, DVec3::ONE).unwrap();
+        b.material_mut().diffuse = Term::color(DVec3::splat(0.5));
+        b.sphere(DVec3::new(-1.5, 0.0, 0.0), 1.0).unwrap();
+        b.sphere(DVec3::new(1.5, 0.0, -1.0), 1.0).unwrap();
+        b.finish().value
+    }
+
+    fn shown(what: Show) -> impl Fn(u32, u32) -> Color {
+        let image = show(&pair(), what, &RenderOptions::default(), &NoHost).unwrap();
+        move |x, y| image.pixel(x, y).unwrap()
+    }
+
+    #[test]
+    fn each_kind_shows_what_it_says() {
+        let normal = shown(Show::Normal);
+        assert!(normal(13, 9).z > 0.9, "{}", normal(13, 9));
+        assert!(normal(9, 10).x < 0.4 && normal(16, 10).x > 0.6);
+        assert_eq!(normal(0, 0), Color::ZERO);
+        let depth = shown(Show::Depth);
+        assert!(depth(13, 10).x > depth(25, 10).x && depth(25, 10).x >= 0.1);
+        let object = shown(Show::Object);
+        assert_eq!(object(13, 9), object(15, 11));
+        assert_ne!(object(13, 10), object(25, 10));
+        let line = shown(Show::Line);
+        assert_eq!(line(13, 10), line(25, 10));
+        let uv = shown(Show::Uv);
+        assert!(uv(13, 6).y > uv(13, 13).y, "{} {}", uv(13, 6), uv(13, 13));
+        let cost = shown(Show::Cost);
+        assert!(cost(13, 10).x > cost(0, 0).x);
+    }
+}
