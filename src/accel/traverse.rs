@@ -53,7 +53,7 @@ struct Waiting {
 impl Bvh {
     /// Shows `visitor` each leaf whose box the ray enters between `t_near`, which is at most 0, and `bound`,
     /// roughly nearest first; with `ANY` in the order of what they promise.
-    #[inline]
+    #[inline(always)]
     pub fn traverse<const ANY: bool>(
         &self,
         ray: &RayBox,
