@@ -12,7 +12,7 @@ use crate::{diag::Error, limits::Limits, script::RunOptions, source, testing::re
 /// Whatever keeps a scene from being rendered; the lines of the scenes before it are printed.
 pub(super) fn hash(args: &HashArgs, signals: &Arc<Signals>) -> Result<(), Error> {
     let mut options = RunOptions::from(&args.overrides.parameters());
-    options.render.threads = args.threads.map_or(0, usize::from);
+    options.render.threads = args.threads.count();
     let limits = Limits::default();
     for file in &args.files {
         let input = Input::new(file);

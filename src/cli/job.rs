@@ -128,7 +128,7 @@ impl Job {
             recipe,
         );
         let mut options = RunOptions::from(&parameters);
-        options.render.threads = args.threads.map_or(0, usize::from);
+        options.render.threads = args.threads.count();
         let running = Instant::now();
         let run = source::load(self.input.name(), &text, &host, &limits, &options)
             .map_err(|e| self.stopped(e, signals))?;
@@ -206,7 +206,10 @@ impl Job {
             hash: last.image.hash(),
             size: (last.image.width(), last.image.height()),
             pictures: pictures.len(),
-            threads: args.threads.map_or_else(rayon::current_num_threads, usize::from),
+            threads: match args.threads.count() {
+                0 => rayon::current_num_threads(),
+                count => count,
+            },
             render,
             stages,
             peak_memory: stats::peak_memory(),

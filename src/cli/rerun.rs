@@ -48,7 +48,7 @@ pub(super) fn rerun(args: &RerunArgs, signals: &Arc<Signals>, reporter: Reporter
         recipe: &recipe,
         assets: args.assets.as_deref(),
         file: &args.file,
-        threads: args.threads,
+        threads: args.threads.count(),
     };
     let (image, warnings) = again.render(&parameters, signals)?;
     reporter.warnings(&warnings);
@@ -92,7 +92,7 @@ pub(super) fn verify(args: &VerifyArgs, signals: &Arc<Signals>, reporter: Report
             recipe: &recipe,
             assets: args.assets.as_deref(),
             file,
-            threads: args.threads,
+            threads: args.threads.count(),
         };
         let (image, _) = again.render(&recipe.parameters, signals)?;
         let hash = image.hash();
@@ -119,7 +119,7 @@ struct Again<'a> {
     recipe: &'a Recipe,
     assets: Option<&'a Path>,
     file: &'a Path,
-    threads: Option<u16>,
+    threads: usize,
 }
 
 impl Again<'_> {
@@ -140,7 +140,7 @@ impl Again<'_> {
             others: SilentHost::new(folder, Arc::clone(signals)),
         };
         let mut options = RunOptions::from(parameters);
-        options.render.threads = self.threads.map_or(0, usize::from);
+        options.render.threads = self.threads;
         let rendered = render_text(name, text, &host, &Limits::default(), &options)?;
         let earlier = rendered.earlier.into_iter().map(|picture| picture.image);
         let same = earlier.into_iter().find(|image| image.hash() == self.recipe.hash);

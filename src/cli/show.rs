@@ -54,7 +54,7 @@ pub(super) fn run(
     let run = subject.load()?;
     reporter.warnings(&run.warnings);
     let options = RenderOptions {
-        threads: args.threads.map_or(0, usize::from),
+        threads: args.threads.count(),
         ..RenderOptions::default()
     };
     let image = show(&run.value.scene, what.into(), &options, subject.host())?;

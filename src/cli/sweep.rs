@@ -57,7 +57,7 @@ pub(super) fn sweep(args: &SweepArgs, signals: &Arc<Signals>, reporter: Reporter
         let (parameters, label) = combination(args, number)?;
         let host = SilentHost::new(input.folder(), Arc::clone(signals));
         let mut options = RunOptions::from(&parameters);
-        options.render.threads = args.threads.map_or(0, usize::from);
+        options.render.threads = args.threads.count();
         let rendered = render_text(input.name(), &text, &host, &Limits::default(), &options);
         let rendered = rendered.map_err(|mut e| {
             e.diagnostic.notes.push(format!("with {label}"));

@@ -8,6 +8,7 @@ mod api;
 mod call;
 mod engine;
 mod errors;
+mod kinds;
 mod link;
 mod lists;
 mod modules;
