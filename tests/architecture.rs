@@ -68,6 +68,8 @@ const MAY_NAME: [(&str, &[&str]); 19] = [
     (
         "cli",
         &[
+            "math",
+            "color",
             "diag",
             "host",
             "limits",
