@@ -6,7 +6,7 @@ use super::*;
 fn messages(ran: &Ran) -> Vec<serde_json::Value> {
     let lines = ran.stderr.lines();
     lines
-        .map(|line| serde_json::from_str(line).unwrap_or_else(|e| panic!("{e}: {line}")))
+        .map(|line| serde_json::from_str(line).expect(line))
         .collect()
 }
 
