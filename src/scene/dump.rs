@@ -236,7 +236,8 @@ fn write_light(line: &mut String, light: &Light) -> fmt::Result {
 
 impl Material {
     /// Its terms that are not the default's, as a dump has them.
-    pub(crate) fn text(&self) -> String {
+    #[must_use]
+    pub fn text(&self) -> String {
         let mut text = String::new();
         // Writing into a String does not fail.
         let _ = write_material(&mut text, self);

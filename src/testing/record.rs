@@ -46,9 +46,9 @@ pub struct Snapshot {
     pub samples: u32,
     /// [`Image::hash`](crate::Image::hash) of the picture.
     pub hash: String,
-    /// [`Scene::hash`] of the scene it shows.
+    /// [`Scene::hash`](crate::Scene::hash) of the scene it shows.
     pub scene: String,
-    /// [`Scene::holds`].
+    /// What the scene holds, with how many: [`Scene::holds`](crate::Scene::holds).
     pub holds: Vec<(String, u64)>,
     /// What the picture looks like.
     pub look: Look,
