@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use super::{args::CheckArgs, host::SilentHost, input::Input, report::Reporter, signals::Signals};
 use crate::{
-    diag::{Diagnostic, Error, ErrorKind},
+    diag::{Diagnostic, Error, ErrorKind, Report},
     limits::Limits,
-    scene::Scene,
-    script::RunOptions,
+    parameters::Parameters,
+    script::{Run, RunOptions},
     source,
 };
 
@@ -21,10 +21,12 @@ pub(super) fn check(args: &CheckArgs, signals: &Arc<Signals>, reporter: Reporter
     let mut wrong = 0;
     for file in &args.files {
         let input = Input::new(file);
-        match scene(&input, args, signals) {
-            Ok((scene, warnings)) => {
-                reporter.warnings(&warnings);
-                let holds: Vec<String> = scene
+        match dry_run(&input, args.define.parameters(), signals) {
+            Ok(run) => {
+                reporter.warnings(&run.warnings);
+                let holds: Vec<String> = run
+                    .value
+                    .scene
                     .holds()
                     .iter()
                     .map(|(what, n)| format!("{n} {what}"))
@@ -58,20 +60,24 @@ pub(super) fn check(args: &CheckArgs, signals: &Arc<Signals>, reporter: Reporter
     }
 }
 
-fn scene(input: &Input, args: &CheckArgs, signals: &Arc<Signals>) -> Result<(Scene, Vec<Diagnostic>), Error> {
+/// Runs a scene up to the complete description, pictures that it renders on the way one pixel large.
+///
+/// # Errors
+/// Whatever keeps it from running to its end.
+pub(super) fn dry_run(
+    input: &Input,
+    mut parameters: Parameters,
+    signals: &Arc<Signals>,
+) -> Result<Report<Run>, Error> {
     let limits = Limits::default();
-    signals.arm(false);
-    let text = input.read(&limits)?;
-    signals.arm(true);
-    let mut parameters = args.define.parameters();
+    let text = input.read_armed(&limits, signals)?;
     (parameters.size, parameters.samples) = (Some((1, 1)), Some(1));
     let host = SilentHost::new(input.folder(), Arc::clone(signals));
-    let run = source::load(
+    source::load(
         input.name(),
         &text,
         &host,
         &limits,
         &RunOptions::from(&parameters),
-    )?;
-    Ok((run.value.scene, run.warnings))
+    )
 }

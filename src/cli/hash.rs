@@ -16,9 +16,7 @@ pub(super) fn hash(args: &HashArgs, signals: &Arc<Signals>) -> Result<(), Error>
     let limits = Limits::default();
     for file in &args.files {
         let input = Input::new(file);
-        signals.arm(false);
-        let text = input.read(&limits)?;
-        signals.arm(true);
+        let text = input.read_armed(&limits, signals)?;
         let host = SilentHost::new(input.folder(), Arc::clone(signals));
         let mut line = if args.scene {
             source::load(input.name(), &text, &host, &limits, &options)?

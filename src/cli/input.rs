@@ -6,6 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use super::signals::Signals;
 use crate::{
     diag::{Diagnostic, Error, ErrorKind},
     limits::Limits,
@@ -76,6 +77,18 @@ impl Input {
         }
         name.push(".png");
         PathBuf::from(name)
+    }
+
+    /// Its text, read while a signal ends the process: reading a terminal or a pipe may wait for ever. Afterwards
+    /// signals are looked at.
+    ///
+    /// # Errors
+    /// As [`Input::read`].
+    pub(super) fn read_armed(&self, limits: &Limits, signals: &Signals) -> Result<String, Error> {
+        signals.arm(false);
+        let text = self.read(limits)?;
+        signals.arm(true);
+        Ok(text)
     }
 
     /// Its text.

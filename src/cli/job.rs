@@ -110,9 +110,7 @@ impl Job {
             self.target.check(&own).map_err(without_place)?;
         }
 
-        signals.arm(false);
-        let text = self.input.read(&limits)?;
-        signals.arm(true);
+        let text = self.input.read_armed(&limits, signals)?;
         let mut stages = Stages {
             read: start.elapsed(),
             ..Stages::default()

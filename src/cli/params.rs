@@ -4,10 +4,8 @@ use std::sync::Arc;
 
 use serde_json::json;
 
-use super::{
-    args::ParamsArgs, host::SilentHost, input::Input, signals::Signals, without_place, write_stdout,
-};
-use crate::{diag::Error, limits::Limits, parameters::Declared, script::RunOptions, source};
+use super::{args::ParamsArgs, check::dry_run, input::Input, signals::Signals, without_place, write_stdout};
+use crate::{diag::Error, parameters::Declared};
 
 /// Runs the script, its own pictures one pixel large, and lists the parameters that it declared.
 ///
@@ -15,20 +13,7 @@ use crate::{diag::Error, limits::Limits, parameters::Declared, script::RunOption
 /// Whatever keeps the script from running to its end.
 pub(super) fn params(args: &ParamsArgs, signals: &Arc<Signals>) -> Result<(), Error> {
     let input = Input::new(&args.file);
-    let limits = Limits::default();
-    signals.arm(false);
-    let text = input.read(&limits)?;
-    signals.arm(true);
-    let mut parameters = args.define.parameters();
-    (parameters.size, parameters.samples) = (Some((1, 1)), Some(1));
-    let host = SilentHost::new(input.folder(), Arc::clone(signals));
-    let run = source::load(
-        input.name(),
-        &text,
-        &host,
-        &limits,
-        &RunOptions::from(&parameters),
-    )?;
+    let run = dry_run(&input, args.define.parameters(), signals)?;
     let declared = &run.value.parameters;
     let text = if args.json {
         let list: Vec<_> = declared.iter().map(as_json).collect();

@@ -48,9 +48,7 @@ pub(super) fn sweep(args: &SweepArgs, signals: &Arc<Signals>, reporter: Reporter
             .into());
     };
     let target = Target::new(args, &stem, &input)?;
-    signals.arm(false);
-    let text = input.read(&Limits::default())?;
-    signals.arm(true);
+    let text = input.read_armed(&Limits::default(), signals)?;
 
     let mut pictures = Vec::new();
     for number in 0..count {
