@@ -11,7 +11,7 @@ use std::{
 };
 
 use crate::{
-    diag::ErrorKind,
+    diag::{Code, Diagnostic, ErrorKind},
     render::{Image, Progress},
 };
 
@@ -31,6 +31,15 @@ impl HostError {
         Self {
             kind,
             message: message.into(),
+        }
+    }
+
+    /// As a diagnostic without a place. What a host cannot give is a file that cannot be read.
+    pub(crate) fn diagnostic(self) -> Diagnostic {
+        let diagnostic = Diagnostic::error(self.kind, self.message);
+        match self.kind {
+            ErrorKind::Input => diagnostic.class(Code::UnreadableFile),
+            _ => diagnostic,
         }
     }
 }
@@ -55,6 +64,12 @@ pub trait Host: Send + Sync {
     /// Receives a line that the script printed.
     fn print(&self, text: &str) {
         let _ = text;
+    }
+
+    /// Is told of what looks wrong with a scene before the renderer traces its first ray, so that it can be shown at once;
+    /// the report of the render holds the same.
+    fn warn(&self, warning: &Diagnostic) {
+        let _ = warning;
     }
 
     /// Asked often while a script runs and between tiles; true ends the run with `ErrorKind::Cancelled`.

@@ -282,9 +282,31 @@ impl Bounds3 {
     }
 }
 
+/// A vector in a sentence, as a script has it, with four digits to a number: `[0, 1.333, -2e-9]`.
+pub(crate) fn brief(v: DVec3) -> String {
+    let [x, y, z] = v.to_array().map(|x| {
+        let rounded = format!("{x:.3e}").parse().unwrap_or(x);
+        match f64::abs(rounded) {
+            0.0 => "0".to_owned(),
+            size if (1e-4..1e9).contains(&size) => format!("{rounded}"),
+            _ => format!("{rounded:e}"),
+        }
+    });
+    format!("[{x}, {y}, {z}]")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn vectors_in_sentences_are_short() {
+        assert_eq!(
+            brief(DVec3::new(-0.0, 4.0 / 3.0, -2.00004e-9)),
+            "[0, 1.333, -2e-9]"
+        );
+        assert_eq!(brief(DVec3::new(12345.6, 1e300, f64::NAN)), "[12350, 1e300, NaN]");
+    }
 
     #[test]
     fn quarter_turns_are_exact() {

@@ -9,9 +9,9 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::{input::Input, progress::ProgressLine, signals::Signals};
+use super::{input::Input, progress::ProgressLine, report::Reporter, signals::Signals};
 use crate::{
-    diag::ErrorKind,
+    diag::{Diagnostic, ErrorKind},
     host::{DirHost, Host, HostError},
     output,
     recipe::Recipe,
@@ -26,6 +26,9 @@ pub(super) struct CliHost {
     progress: ProgressLine,
     /// Standard output carries the picture, so what the script prints goes to standard error.
     stdout_is_taken: bool,
+    reporter: Reporter,
+    /// The scene's name and text, for excerpts.
+    script: (String, String),
     seen: Mutex<Seen>,
 }
 
@@ -38,6 +41,8 @@ struct Seen {
     writing: Duration,
     /// What the picture is made from so far; `None` where it shall not carry it.
     recipe: Option<Recipe>,
+    /// Warnings that were shown.
+    warned: Vec<Diagnostic>,
 }
 
 impl CliHost {
@@ -48,12 +53,15 @@ impl CliHost {
         progress: ProgressLine,
         stdout_is_taken: bool,
         recipe: Option<Recipe>,
+        (reporter, text): (Reporter, &str),
     ) -> Self {
         Self {
             assets: DirHost::new(scene.folder()),
             signals,
             progress,
             stdout_is_taken,
+            reporter,
+            script: (scene.name().to_owned(), text.to_owned()),
             seen: Mutex::new(Seen {
                 inputs: scene.path().map(Path::to_owned).into_iter().collect(),
                 recipe,
@@ -84,12 +92,35 @@ impl CliHost {
         self.progress.clear();
     }
 
+    /// Shows each of these that was not shown yet: a script may render many pictures, and all look wrong in the same way.
+    pub(super) fn show(&self, warnings: &[Diagnostic]) {
+        for warning in warnings {
+            let mut seen = self.seen();
+            if !seen.warned.contains(warning) {
+                seen.warned.push(warning.clone());
+                drop(seen);
+                let (name, text) = &self.script;
+                let is_here = warning.source_line.is_none() && warning.file.as_deref() == Some(name);
+                self.progress.clear();
+                self.reporter.warnings(&[if is_here {
+                    warning.clone().with_source(text)
+                } else {
+                    warning.clone()
+                }]);
+            }
+        }
+    }
+
     fn seen(&self) -> MutexGuard<'_, Seen> {
         self.seen.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl Host for CliHost {
+    fn warn(&self, warning: &Diagnostic) {
+        self.show(std::slice::from_ref(warning));
+    }
+
     fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, HostError> {
         let start = Instant::now();
         let bytes = self.assets.read(path, max_bytes);

@@ -6,9 +6,11 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::signals::Signals;
+use clap::CommandFactory;
+
+use super::{args::Cli, signals::Signals};
 use crate::{
-    diag::{Diagnostic, Error, ErrorKind},
+    diag::{Code, Diagnostic, Error, ErrorKind, nearest_names},
     limits::Limits,
     output, source,
 };
@@ -109,12 +111,15 @@ impl Input {
     }
 
     fn unreadable(&self, error: &io::Error) -> Diagnostic {
-        let why = match error.kind() {
-            io::ErrorKind::NotFound => "no such file".to_owned(),
-            io::ErrorKind::IsADirectory => "it is a folder".to_owned(),
-            _ => output::reason(error),
-        };
-        let diagnostic = Diagnostic::error(ErrorKind::Input, format!("cannot read '{}': {why}", self.name));
+        let why = why_unreadable(error);
+        let diagnostic = Diagnostic::error(ErrorKind::Input, format!("cannot read '{}': {why}", self.name))
+            .class(Code::UnreadableFile);
+        let commands = Cli::command();
+        let names = commands.get_subcommands().map(clap::Command::get_name);
+        let near = nearest_names(&self.name, names);
+        if let (io::ErrorKind::NotFound, Some(command)) = (error.kind(), near.first()) {
+            return diagnostic.hint(format!("did you mean the command '{command}'?"));
+        }
         match self.name.as_str() {
             "text" | "json" => diagnostic.hint(format!(
                 "the statistics' format is given as --stats={}",
@@ -122,6 +127,15 @@ impl Input {
             )),
             _ => diagnostic,
         }
+    }
+}
+
+/// Why a file cannot be read.
+pub(super) fn why_unreadable(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::NotFound => "no such file".to_owned(),
+        io::ErrorKind::IsADirectory => "it is a folder".to_owned(),
+        _ => output::reason(error),
     }
 }
 

@@ -124,6 +124,7 @@ impl Job {
             ProgressLine::new(reporter.is_for_people()),
             matches!(self.target, Target::Stdout),
             recipe,
+            (reporter, &text),
         );
         let mut options = RunOptions::from(&parameters);
         options.render.threads = args.threads.count();
@@ -132,7 +133,7 @@ impl Job {
             .map_err(|e| self.stopped(e, signals))?;
         host.clear_progress();
         let script = running.elapsed();
-        reporter.warnings(&run.warnings);
+        host.show(&run.warnings);
 
         let mut pictures = run.value.pictures;
         let named = pictures.iter().any(|picture| picture.name.is_some());
@@ -143,7 +144,7 @@ impl Job {
             let rendered =
                 render(&run.value.scene, &options.render, &host).map_err(|e| self.stopped(e, signals))?;
             host.clear_progress();
-            reporter.warnings(&rendered.warnings);
+            host.show(&rendered.warnings);
             pictures.push(Picture {
                 name: None,
                 image: rendered.value.image,
@@ -236,6 +237,7 @@ impl Job {
                     self.input.name()
                 ),
             )),
+            more: error.more,
             warnings: error.warnings,
         }
     }

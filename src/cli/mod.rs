@@ -48,7 +48,7 @@ use self::{
     signals::Signals,
 };
 use crate::{
-    diag::{Diagnostic, Error, ErrorKind},
+    diag::{Error, ErrorKind},
     host::HostError,
 };
 
@@ -68,7 +68,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
     match cli.command {
         Some(Command::Convert(args)) => context.finish(false, |_, _| convert::convert(&args)),
         Some(Command::New(args)) => context.finish(false, |_, reporter| new::new(&args, reporter)),
-        Some(Command::Check(args)) => context.finish(args.quiet, |signals, reporter| {
+        Some(Command::Check(args)) => context.answer(args.quiet, |signals, reporter| {
             check::check(&args, signals, reporter)
         }),
         Some(Command::Hash(args)) => context.finish(false, |signals, _| hash::hash(&args, signals)),
@@ -234,7 +234,7 @@ fn write_stdout(bytes: &[u8]) -> Result<(), HostError> {
 }
 
 fn without_place(error: HostError) -> Error {
-    Diagnostic::error(error.kind, error.message).into()
+    error.diagnostic().into()
 }
 
 #[cfg(test)]

@@ -1,6 +1,10 @@
 //! `rtscript new`: a scene to begin with.
 
-use std::{fs::OpenOptions, io::Write, path::PathBuf};
+use std::{
+    fs::OpenOptions,
+    io::{self, Write},
+    path::PathBuf,
+};
 
 use super::{args::NewArgs, report::Reporter};
 use crate::{
@@ -29,7 +33,12 @@ pub(super) fn new(args: &NewArgs, reporter: Reporter) -> Result<(), Error> {
         .and_then(|mut file| file.write_all(text.as_bytes()));
     if let Err(e) = written {
         let message = format!("cannot write '{shown}': {}", output::reason(&e));
-        return Err(Diagnostic::error(ErrorKind::Output, message).into());
+        let error = Diagnostic::error(ErrorKind::Output, message);
+        return Err(match e.kind() {
+            io::ErrorKind::AlreadyExists => error.hint("name a scene that is not there yet"),
+            _ => error,
+        }
+        .into());
     }
     reporter.line(&format!("{shown}: a starter scene; rtscript {shown} renders it"));
     Ok(())

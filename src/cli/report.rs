@@ -30,10 +30,15 @@ impl Reporter {
         !self.quiet && self.format == MessageFormat::Text
     }
 
-    /// Shows the error after the warnings that came before it.
+    /// Shows the errors after the warnings that came before them.
     pub(super) fn error(self, error: &Error) {
         self.warnings(&error.warnings);
-        self.show(&error.diagnostic);
+        for (i, diagnostic) in error.all().enumerate() {
+            if i > 0 && self.format == MessageFormat::Text {
+                self.write_line("");
+            }
+            self.show(diagnostic);
+        }
     }
 
     /// Shows warnings.
@@ -78,10 +83,6 @@ impl Reporter {
 
 /// The diagnostic as one object. Without a place, file, line and column are null.
 fn as_json(diagnostic: &Diagnostic) -> serde_json::Value {
-    let severity = match diagnostic.severity {
-        Severity::Error => "error",
-        Severity::Warning => "warning",
-    };
     let kind = match diagnostic.kind {
         ErrorKind::Script => "script",
         ErrorKind::Input => "input",
@@ -93,8 +94,9 @@ fn as_json(diagnostic: &Diagnostic) -> serde_json::Value {
     };
     let known = |n: u32| (n > 0).then_some(n);
     json!({
-        "severity": severity,
+        "severity": diagnostic.severity.name(),
         "kind": kind,
+        "code": diagnostic.code.name(),
         "message": diagnostic.message,
         "file": diagnostic.file.as_deref(),
         "line": known(diagnostic.line),
@@ -111,7 +113,11 @@ fn text(diagnostic: &Diagnostic, renderer: &Renderer) -> String {
         Severity::Error => Level::ERROR,
         Severity::Warning => Level::WARNING,
     };
-    let mut group = Group::with_title(level.primary_title(shortened(&diagnostic.message)));
+    let mut group = Group::with_title(
+        level
+            .primary_title(shortened(&diagnostic.message))
+            .id(diagnostic.code.name()),
+    );
     let path = diagnostic.file.as_deref().map(shortened);
     if let (Some(line), 1..) = (&diagnostic.source_line, diagnostic.line) {
         let line = shortened(line);
@@ -190,7 +196,7 @@ fn token(line: &str, column: u32) -> std::ops::Range<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diag::ErrorKind;
+    use crate::diag::Code;
 
     fn plain(diagnostic: &Diagnostic) -> String {
         text(diagnostic, &Renderer::plain())
@@ -200,6 +206,7 @@ mod tests {
     fn the_excerpt_points_at_the_word() {
         let source = "size(4, 4);\n  pushTranform();\n";
         let d = Diagnostic::error(ErrorKind::Script, "unknown function 'pushTranform'")
+            .class(Code::UnknownFunction)
             .at("a.rhai", 2, 3)
             .with_source(source)
             .note("called from line 9")
@@ -207,7 +214,7 @@ mod tests {
         assert_eq!(
             plain(&d),
             "\
-error: unknown function 'pushTranform'
+error[unknown-function]: unknown function 'pushTranform'
  --> a.rhai:2:3
   |
 2 |   pushTranform();
@@ -221,8 +228,11 @@ error: unknown function 'pushTranform'
     #[test]
     fn without_an_excerpt_the_place_remains() {
         let d = Diagnostic::error(ErrorKind::Input, "no faces").at("m.obj", 7, 0);
-        assert_eq!(plain(&d), "error: no faces\n--> m.obj:7");
-        assert_eq!(plain(&Diagnostic::warning("dark")), "warning: dark");
+        assert_eq!(plain(&d), "error[malformed-file]: no faces\n--> m.obj:7");
+        assert_eq!(
+            plain(&Diagnostic::warning(Code::NoLight, "dark")),
+            "warning[no-light]: dark"
+        );
     }
 
     #[test]

@@ -11,12 +11,13 @@ use super::{
     args::{RerunArgs, VerifyArgs},
     host::{RecipeHost, SilentHost},
     input::Input,
+    input::why_unreadable,
     report::Reporter,
     signals::Signals,
     without_place, write_stdout,
 };
 use crate::{
-    diag::{Diagnostic, Error, ErrorKind},
+    diag::{Code, Diagnostic, Error, ErrorKind},
     limits::Limits,
     output,
     parameters::Parameters,
@@ -154,8 +155,9 @@ pub(super) fn read(path: &Path) -> Result<(Recipe, Vec<u8>), Error> {
     File::open(path)
         .and_then(|file| file.take(MOST_BYTES).read_to_end(&mut bytes))
         .map_err(|e| {
-            let (path, why) = (path.display(), output::reason(&e));
+            let (path, why) = (path.display(), why_unreadable(&e));
             Diagnostic::error(ErrorKind::Input, format!("cannot read '{path}': {why}"))
+                .class(Code::UnreadableFile)
         })?;
     match Recipe::of_png(&bytes) {
         Some(recipe) => Ok((recipe, bytes)),

@@ -91,7 +91,7 @@ impl<'a> Assets<'a> {
         let bytes = self
             .host
             .read(path, self.limits.file_bytes)
-            .map_err(|error| Diagnostic::error(error.kind, error.message))?;
+            .map_err(|error| error.diagnostic())?;
         self.cache.bytes = self.cache.bytes.saturating_add(bytes.len() as u64);
         Ok(bytes)
     }

@@ -5,7 +5,7 @@ use super::{
     text::{Source, counted, lines},
 };
 use crate::{
-    diag::{Diagnostic, ErrorKind, SourceLoc},
+    diag::{Code, Diagnostic, ErrorKind, SourceLoc},
     math::DVec3,
     scene::{Builder, Camera, Encoding, SceneError, Term},
 };
@@ -87,12 +87,14 @@ impl Loader<'_, '_> {
         }
         if !self.has_size {
             self.builder.warn(
+                Code::IgnoredInput,
                 "the picture has no size, so it is 640 x 480",
                 Some("begin the file with: size 640 480"),
             );
         }
         if !self.has_camera {
             self.builder.warn(
+                Code::IgnoredInput,
                 "there is no camera, so it stands at 0 0 5 and looks at the origin",
                 Some("write: camera eyex eyey eyez centerx centery centerz upx upy upz fovy"),
             );
@@ -185,6 +187,7 @@ fn smooth(list: &[(DVec3, DVec3)], index: usize) -> Result<(DVec3, DVec3), Scene
 fn malformed(message: String) -> SceneError {
     SceneError {
         kind: ErrorKind::Input,
+        code: Code::MalformedFile,
         ..SceneError::new(message)
     }
 }

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 
 use super::text::{Source, lines};
 use crate::{
-    diag::{Diagnostic, ErrorKind},
+    diag::{Code, Diagnostic, ErrorKind},
     scene::Builder,
 };
 
@@ -142,6 +142,6 @@ pub(super) fn warn_at(
     let outside = builder.loc();
     let file = builder.file(source.name);
     builder.set_loc(source.loc(at, file));
-    builder.warn(message, hint);
+    builder.warn(Code::IgnoredInput, message, hint);
     builder.set_loc(outside);
 }

@@ -2,6 +2,7 @@
 
 pub mod explain;
 mod film;
+mod inspect;
 mod integrator;
 mod interrupt;
 mod lighting;
@@ -12,13 +13,18 @@ mod tiles;
 mod world;
 
 pub use film::{Image, quantize};
+pub use inspect::inspect;
 pub use observe::RayKind;
 pub use world::{RayHit, World};
 
 use std::time::Duration;
 
+use rayon::prelude::*;
+
+use interrupt::Interrupt;
+
 use crate::{
-    diag::{Diagnostic, Error, ErrorKind, Report},
+    diag::{Code, Diagnostic, Error, ErrorKind, Report},
     host::Host,
     scene::Scene,
 };
@@ -116,12 +122,36 @@ fn on_threads<T: Send>(threads: usize, f: impl FnOnce() -> Result<T, Error> + Se
     pool.install(f)
 }
 
+/// `pixel` of every column and row, rows from the top, on all threads.
+fn by_rows<T: Send>(
+    (width, height): (u32, u32),
+    host: &dyn Host,
+    pixel: impl Fn(u32, u32, &Interrupt<'_>) -> T + Sync,
+) -> Result<Vec<T>, Error> {
+    let interrupt = Interrupt::new(host);
+    let rows: Vec<Vec<T>> = (0..height)
+        .into_par_iter()
+        .map(|y| {
+            if interrupt.poll() {
+                return Vec::new();
+            }
+            (0..width).map(|x| pixel(x, y, &interrupt)).collect()
+        })
+        .collect();
+    if interrupt.is_stopped() {
+        return Err(Diagnostic::error(ErrorKind::Cancelled, "the render was stopped").into());
+    }
+    Ok(rows.into_iter().flatten().collect())
+}
+
 /// Renders on the threads of the current pool.
 fn render_here(scene: &Scene, options: &RenderOptions, host: &dyn Host) -> Result<Report<Rendered>, Error> {
     let compiling = Stopwatch::start();
     let mut world = World::compile(scene)?;
     world.packets = !options.single_rays;
     let compile = compiling.elapsed();
+    let mut warnings = inspect::before(&world);
+    warnings.iter().for_each(|warning| host.warn(warning));
     let tracing = Stopwatch::start();
     let Some((image, counts)) = tiles::trace(&world, options, host) else {
         return Err(Diagnostic::error(ErrorKind::Cancelled, "the render was stopped").into());
@@ -137,17 +167,25 @@ fn render_here(scene: &Scene, options: &RenderOptions, host: &dyn Host) -> Resul
         compile,
         trace: tracing.elapsed(),
     };
-    let mut warnings = Vec::new();
-    if counts.invalid > 0 {
-        warnings.push(Diagnostic::warning(format!(
-            "{} samples were not finite numbers and count as black: are colors or lights beyond 1e150?",
-            counts.invalid
-        )));
-    }
+    warnings.extend(inspect::after(&world, &image, &warnings));
+    warnings.extend(invalid_samples(counts.invalid));
     Ok(Report {
         value: Rendered { image, stats },
         warnings,
     })
+}
+
+/// A warning where samples were no finite numbers.
+fn invalid_samples(count: u64) -> Option<Diagnostic> {
+    let what = match count {
+        0 => return None,
+        1 => "1 sample was no finite number and counts".to_owned(),
+        n => format!("{n} samples were not finite numbers and count"),
+    };
+    Some(
+        Diagnostic::warning(Code::InvalidSamples, format!("{what} as black"))
+            .hint("are colors or lights beyond 1e150?"),
+    )
 }
 
 /// Measures a stage where the platform has a clock; 0 where it has none (wasm32-unknown-unknown).

@@ -108,6 +108,19 @@ impl CameraFrame {
         Ray::new(self.eye, dir / dir.length())
     }
 
+    /// A point as the camera sees it: to the right, up, and straight ahead of it.
+    #[must_use]
+    pub(crate) fn camera_from_world(&self, p: DVec3) -> DVec3 {
+        let p = p - self.eye;
+        DVec3::new(p.dot(self.u), p.dot(self.v), -p.dot(self.w))
+    }
+
+    /// Half the width and half the height of the picture plane at distance 1.
+    #[must_use]
+    pub(crate) fn extent(&self) -> [f64; 2] {
+        [self.tan_x, self.tan_y]
+    }
+
     /// Where in the picture the line from `a` to `b` is seen, in pixels from the top left corner, as far as it lies in
     /// front of the camera; `None` where none of it does. The ends may lie beyond the picture.
     #[must_use]

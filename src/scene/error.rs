@@ -2,13 +2,15 @@
 
 use std::fmt;
 
-use crate::diag::{Diagnostic, ErrorKind};
+use crate::diag::{Code, Diagnostic, ErrorKind};
 
 /// A value the scene cannot hold. It carries no place: the caller knows the line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneError {
     /// Whose fault it is, usually [`ErrorKind::Script`].
     pub kind: ErrorKind,
+    /// Which class of errors it belongs to.
+    pub code: Code,
     /// What is wrong: lower case, no full stop.
     pub message: String,
     /// What to do about it.
@@ -21,6 +23,7 @@ impl SceneError {
     pub fn new(message: impl Into<String>) -> Self {
         Self {
             kind: ErrorKind::Script,
+            code: Code::InvalidValue,
             message: message.into(),
             hint: None,
         }
@@ -31,9 +34,16 @@ impl SceneError {
     pub fn limit(what: &str, name: &str, value: impl fmt::Display) -> Self {
         Self {
             kind: ErrorKind::Limit,
+            code: Code::Limit,
             message: format!("{what}: the limit '{name}' is {value}"),
             hint: None,
         }
+    }
+
+    /// Puts it into a narrower class.
+    #[must_use]
+    pub(crate) fn class(self, code: Code) -> Self {
+        Self { code, ..self }
     }
 
     /// Says which of several things it is about: "sphere 3: ..." for an error of the third sphere of a list.
@@ -63,7 +73,7 @@ impl std::error::Error for SceneError {}
 
 impl From<SceneError> for Diagnostic {
     fn from(e: SceneError) -> Self {
-        let diagnostic = Self::error(e.kind, e.message);
+        let diagnostic = Self::error(e.kind, e.message).class(e.code);
         match e.hint {
             Some(hint) => diagnostic.hint(hint),
             None => diagnostic,

@@ -82,6 +82,11 @@ impl Material {
         self.reflection.unwrap_or(self.specular)
     }
 
+    /// Lets no light through.
+    pub(crate) fn is_opaque(&self) -> bool {
+        self.transmission.is_black()
+    }
+
     /// Its parts as bits, equal exactly where two materials are the same.
     pub(crate) fn key(&self) -> MaterialKey {
         let term = |t: &Term| {

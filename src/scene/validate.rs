@@ -1,7 +1,10 @@
 //! Warnings about a complete scene: a black picture always comes with a sentence.
 
 use super::{Geometry, Scene, Term};
-use crate::{color::Color, diag::Diagnostic};
+use crate::{
+    color::Color,
+    diag::{Code, Diagnostic},
+};
 
 /// What looks wrong with a scene as a whole.
 pub(super) fn warnings(scene: &Scene) -> Vec<Diagnostic> {
@@ -12,18 +15,38 @@ pub(super) fn warnings(scene: &Scene) -> Vec<Diagnostic> {
         } else {
             "; a define is only seen where instance(name) places it"
         };
-        warnings.push(Diagnostic::warning(format!(
-            "the scene is empty: the picture shows nothing but the background{defined}"
-        )));
+        warnings.push(Diagnostic::warning(
+            Code::EmptyScene,
+            format!("the scene is empty: the picture shows nothing but the background{defined}"),
+        ));
         return warnings;
+    }
+    let answers_light = |m: &super::Material| {
+        !m.diffuse.is_black()
+            || !m.specular.is_black()
+            || m.reflection.is_some()
+            || !m.transmission.is_black()
+    };
+    let is_lit = scene.root().lights.iter().any(|light| light.color != Color::ZERO);
+    if is_lit && !used_materials(scene).any(answers_light) {
+        warnings.push(
+            Diagnostic::warning(
+                Code::Unlit,
+                "no material answers the light: diffuse and specular are black, as they are at the start",
+            )
+            .hint("write diffuse(0.8, 0.8, 0.8) before the shapes"),
+        );
     }
     let glows = |term: &Term| !term.is_black();
     let lit_by_itself = scene.settings.background != Color::ZERO
         || used_materials(scene).any(|m| glows(&m.ambient) || glows(&m.emission));
     if scene.root().lights.iter().all(|light| light.color == Color::ZERO) && !lit_by_itself {
         warnings.push(
-            Diagnostic::warning("the scene has no light, and nothing glows: the picture will be black")
-                .hint("add light([5, 5, 5], [1, 1, 1])"),
+            Diagnostic::warning(
+                Code::NoLight,
+                "the scene has no light, and nothing glows: the picture will be black",
+            )
+            .hint("add light([5, 5, 5], [1, 1, 1])"),
         );
     }
     warnings

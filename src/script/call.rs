@@ -6,12 +6,13 @@ use std::sync::Arc;
 use rhai::{Array, Dynamic, ImmutableString, Map};
 
 use super::{
+    names::COLORS,
     table::Entry,
     value::{ImageValue, Outcome, ScriptError, TextureValue},
 };
 use crate::{
     color::{self, Color},
-    diag::nearest_names,
+    diag::{Code, nearest_names},
     math::DVec3,
     scene::Texture,
 };
@@ -178,10 +179,12 @@ impl<'c, 'd> Call<'c, 'd> {
             return Err(self.wrong_kind(name, wanted, d));
         };
         let [x, y, z] = array.as_slice() else {
-            return Err(self.error(format!(
-                "{name} must be {wanted} of 3 numbers, not an array of {}",
-                array.len()
-            )));
+            return Err(self
+                .error(format!(
+                    "{name} must be {wanted} of 3 numbers, not an array of {}",
+                    array.len()
+                ))
+                .class(Code::ArgumentType));
         };
         let component = |d: &Dynamic, axis: &str| {
             number_of(d).ok_or_else(|| self.wrong_kind(&format!("{name}.{axis}"), "a number", d))
@@ -212,7 +215,13 @@ impl<'c, 'd> Call<'c, 'd> {
     fn color_code(&self, name: &str, d: &Dynamic) -> Outcome<Color> {
         let text = d.clone().into_immutable_string().unwrap_or_default();
         color::from_hex(&text).ok_or_else(|| {
-            self.error(format!("{name} must be a color, and {} is no color code", quoted(&text)))
+            let error = self.error(format!("{name} must be a color, and {} is no color code", quoted(&text)));
+            let known = COLORS.iter().find(|(color, _)| *color == text.to_lowercase());
+            let error = match known {
+                Some((color, code)) => error.hint(format!("{color} is \"{code}\"")),
+                None => error,
+            };
+            error
                 .hint("color codes are \"#rrggbb\" and \"#rgb\"; a color is also [red, green, blue], each from 0 to 1")
         })
     }
@@ -275,7 +284,9 @@ impl<'c, 'd> Call<'c, 'd> {
         let Some(key) = map.keys().find(|key| !known.contains(&key.as_str())) else {
             return Ok(());
         };
-        let error = self.error(format!("unknown key {}", quoted(key)));
+        let error = self
+            .error(format!("unknown key {}", quoted(key)))
+            .class(Code::UnknownKey);
         let error = match nearest_names(key, known.iter().copied()).first() {
             Some(near) => error.hint(format!("did you mean {near}?")),
             None => error,
@@ -293,7 +304,13 @@ impl<'c, 'd> Call<'c, 'd> {
     #[cold]
     pub(crate) fn wrong_kind(&self, name: &str, wanted: &str, given: &Dynamic) -> Box<ScriptError> {
         self.error(format!("{name} must be {wanted}, not {}", kind_of(given)))
-            .hint(format!("for example {}", self.entry.usage))
+            .class(Code::ArgumentType)
+            .hint(if given.is_unit() {
+                "a function without a result gives nothing, and so does a statement that ends with ';'"
+                    .to_owned()
+            } else {
+                format!("for example {}", self.entry.usage)
+            })
     }
 
     #[cold]
@@ -305,6 +322,7 @@ impl<'c, 'd> Call<'c, 'd> {
             "infinity comes from a division by 0.0 or a number beyond 1e308"
         };
         self.error(format!("{name} must be a finite number, but it is {what}"))
+            .class(Code::NotFinite)
             .hint(cause)
     }
 
@@ -315,8 +333,19 @@ impl<'c, 'd> Call<'c, 'd> {
         } else {
             "a vector is [x, y, z], vec3(x, y, z), or three numbers"
         };
-        self.error(format!("{name} must be {wanted}, not a number"))
-            .hint(hint)
+        let error = self
+            .error(format!("{name} must be {wanted}, not a number"))
+            .class(Code::ArgumentType);
+        let later = self.args.get(self.next..).unwrap_or_default();
+        if wanted == "a vector" && later.iter().any(|d| number_of(d).is_none()) {
+            // The vector comes, only later.
+            let order = self.entry.signature();
+            return error.hint(format!(
+                "the order is {}{order}: for example {}",
+                self.entry.name, self.entry.usage
+            ));
+        }
+        error.hint(hint)
     }
 
     #[cold]
@@ -334,6 +363,7 @@ pub(crate) fn wrong_count(entry: &Entry, given: usize) -> Box<ScriptError> {
         entry.signature(),
         arguments(given)
     ))
+    .class(Code::ArgumentCount)
     .hint(format!("for example {}", entry.usage))
 }
 

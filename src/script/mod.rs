@@ -10,10 +10,12 @@ mod engine;
 mod errors;
 mod kinds;
 mod link;
+mod lint;
 mod lists;
 mod modules;
 mod names;
 mod power;
+mod recover;
 mod session;
 mod table;
 mod value;
@@ -70,6 +72,11 @@ pub struct RunOptions {
     pub seed: Option<u64>,
     /// Values of the parameters that the script declares by `param(name, default)`, as text: `"0.5"`, `"true"`.
     pub parameters: BTreeMap<String, String>,
+    /// `render()` traces a single ray and gives a picture of that color: for a run of which only the scene counts.
+    pub dry: bool,
+    /// Looks for what is wrong with the script beyond what a run comes by, and adds it to the warnings: lines that never
+    /// ran, and calls there of functions that there are not.
+    pub lint: bool,
     /// How `render()` renders.
     pub render: RenderOptions,
 }
@@ -169,7 +176,10 @@ impl Script {
                     limits,
                     ast: None,
                 };
-                Err(errors::of_parse(&e, name, &context).into())
+                let mut error = Error::from(errors::of_parse(&e, name, &context));
+                let more = on_deep_stack(|| recover::further_errors(&e, &source, limits));
+                error.more = more.map_err(|what| internal(name, &what))?;
+                Err(error)
             }
         }
     }
@@ -285,7 +295,7 @@ impl Script {
     ) -> Result<Report<Run>, Error> {
         let mut state = State::new(self.source.clone(), &self.limits, options, remote, watch);
         if let Err(e) = preset(&mut state) {
-            let mut d = Diagnostic::error(e.kind, e.message);
+            let mut d = Diagnostic::error(e.kind, e.message).class(e.code);
             d.hints = e.hints;
             return Err(d.into());
         }
@@ -311,37 +321,44 @@ impl Script {
         };
         if state.found_call {
             let calls = result.err().map(|e| errors::call_stack(&e, self.name()));
-            let mut found = self.finish(*state, Ok(()))?;
+            let mut found = self.finish(*state, Ok(()), options)?;
             found.value.calls = calls.unwrap_or_default();
             return Ok(found);
         }
-        self.finish(*state, result)
+        self.finish(*state, result, options)
     }
 
-    fn finish(&self, state: State, result: Result<(), Box<EvalAltResult>>) -> Result<Report<Run>, Error> {
+    fn finish(
+        &self,
+        state: State,
+        result: Result<(), Box<EvalAltResult>>,
+        options: &RunOptions,
+    ) -> Result<Report<Run>, Error> {
         let State {
             sources,
             mut builder,
             mut warnings,
             pictures,
             parameters,
+            ran,
             ..
         } = state;
         warnings.extend(builder.take_warnings());
         let report = builder.finish();
-        let failed = result.err().map(|e| {
-            errors::of_run(
-                &e,
-                &errors::Context {
-                    sources: &sources,
-                    limits: &self.limits,
-                    ast: Some(&self.ast),
-                },
-            )
-        });
+        let context = errors::Context {
+            sources: &sources,
+            limits: &self.limits,
+            ast: Some(&self.ast),
+        };
+        let failed = result.err().map(|e| errors::of_run(&e, &context));
         // What looks wrong about a scene that was never finished says nothing.
         if failed.is_none() {
             warnings.extend(report.warnings);
+            if options.lint {
+                let wrong = lint::unknown_calls(&self.ast, self.name(), &context);
+                warnings.extend(wrong.into_iter().map(Diagnostic::as_warning));
+                warnings.extend(lint::unreached(&self.ast, &ran, self.name(), &context));
+            }
         }
         for warning in &mut warnings {
             let source = sources.iter().find(|s| Some(&*s.name) == warning.file.as_deref());
@@ -351,6 +368,10 @@ impl Script {
         }
         match failed {
             Some(diagnostic) => Err(Error {
+                more: match diagnostic.kind {
+                    ErrorKind::Script => lint::others(&self.ast, &diagnostic, self.name(), &context),
+                    _ => Vec::new(),
+                },
                 diagnostic: Box::new(diagnostic),
                 warnings,
             }),

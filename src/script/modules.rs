@@ -12,7 +12,10 @@ use super::{
     value::{Outcome, ScriptError},
     without_mark,
 };
-use crate::{diag::ErrorKind, host::resolve};
+use crate::{
+    diag::{Code, ErrorKind},
+    host::resolve,
+};
 
 /// Modules that may import one another in a row.
 const DEPTH: usize = 8;
@@ -56,7 +59,8 @@ impl Resolver {
             return Err(ScriptError::new(format!(
                 "files import one another in a circle: {}",
                 circle.join(" -> ")
-            )));
+            ))
+            .class(Code::ImportCircle));
         }
         if state.loading.len() >= DEPTH {
             return Err(ScriptError::of_kind(

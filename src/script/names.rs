@@ -1,17 +1,21 @@
 //! "Did you mean": what names there are, and which of them is near.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    sync::LazyLock,
+};
 
 use rhai::{AST, Engine, Position, Token};
 
 use super::{
     call::{arguments, kind_name, wrong_count},
     engine,
-    table::{entries, entry},
+    session::Source,
+    table::{Run, entries, entry},
     vocabulary::CONSTANTS,
 };
 use crate::{
-    diag::{Diagnostic, ErrorKind, nearest_names},
+    diag::{Code, Diagnostic, ErrorKind, nearest_names},
     limits::Limits,
 };
 
@@ -48,23 +52,18 @@ impl Names {
     }
 
     /// Rhai's "sphere (i64, i64)" explained.
-    pub(super) fn unknown_function(&self, signature: &str) -> Diagnostic {
+    pub(super) fn unknown_function(&self, signature: &str, sources: &[Source]) -> Diagnostic {
         let (name, types) = signature.split_once(" (").unwrap_or((signature, ""));
         let types = types.strip_suffix(')').unwrap_or(types);
         let given: Vec<&str> = types.split(", ").filter(|t| !t.is_empty()).collect();
         if let Some(entry) = entry(name) {
             let e = wrong_count(entry, given.len());
-            let mut d = error(e.message);
+            let mut d = error(e.code, e.message);
             d.hints = e.hints;
             return d;
         }
         if let Some(forms) = self.own.get(name) {
-            let forms: Vec<String> = forms.iter().map(|p| format!("({})", p.join(", "))).collect();
-            return error(format!(
-                "{name} takes {}, not {}",
-                forms.join(" or "),
-                arguments(given.len())
-            ));
+            return own_wrong_count(name, forms, given.len());
         }
         let kinds: Vec<String> = given.iter().map(|t| kind_name(t)).collect();
         if !name.starts_with(|c: char| c.is_alphabetic() || c == '_') {
@@ -75,21 +74,72 @@ impl Names {
             None => (None, name),
         };
         if let Some(namespace) = namespace {
-            return error(format!(
-                "the module {namespace} has no function {function} for {}",
-                arguments(given.len())
-            ));
+            let d = error(
+                Code::UnknownFunction,
+                format!(
+                    "the module {namespace} has no function {function} for {}",
+                    arguments(given.len())
+                ),
+            );
+            let modules = sources.iter().skip(1).map(|module| Declared::of(&module.text));
+            let theirs: Vec<String> = modules
+                .flat_map(|module| module.functions)
+                .map(|(name, ..)| name)
+                .collect();
+            return match nearest_names(function, theirs.iter().map(String::as_str)).first() {
+                Some(near) if *near != function => d.hint(format!("did you mean {namespace}::{near}?")),
+                _ => d,
+            };
         }
-        if builtins().contains(name) {
-            let d = error(match kinds.as_slice() {
-                [] => format!("{name}() needs arguments"),
-                kinds => format!("{name} cannot be called with {}", list(kinds)),
-            });
+        if sources
+            .first()
+            .is_some_and(|main| declared(&main.text).contains(name))
+        {
+            return error(
+                Code::UnknownFunction,
+                format!("{name} is a variable, not a function"),
+            )
+            .hint(format!("where it holds a function, {name}.call(...) calls that"));
+        }
+        if BUILTINS.contains(name) {
+            let d = error(
+                Code::ArgumentType,
+                match kinds.as_slice() {
+                    [] => format!("{name}() needs arguments"),
+                    kinds => format!("{name} cannot be called with {}", list(kinds)),
+                },
+            );
             return d;
         }
-        let d = error(format!("unknown function {name}"));
+        self.no_such_function(name)
+    }
+
+    /// What is wrong with any call of `name` with this many arguments, whatever they are; `None` where it may be right.
+    pub(super) fn wrong_call(&self, name: &str, given: usize) -> Option<Diagnostic> {
+        let own = self.own.get(name);
+        if own.is_some_and(|forms| forms.iter().any(|form| form.len() == given)) {
+            return None;
+        }
+        if let Some(entry) = entry(name) {
+            let is_right = matches!(entry.run, Run::Syntax) || entry.arities().contains(&given);
+            return (!is_right).then(|| {
+                let e = wrong_count(entry, given);
+                let mut d = error(e.code, e.message);
+                d.hints = e.hints;
+                d
+            });
+        }
+        match own {
+            _ if BUILTINS.contains(name) => None,
+            Some(forms) => Some(own_wrong_count(name, forms, given)),
+            None => Some(self.no_such_function(name)),
+        }
+    }
+
+    fn no_such_function(&self, name: &str) -> Diagnostic {
+        let d = error(Code::UnknownFunction, format!("unknown function {name}"));
         match self.near(name).as_slice() {
-            [] => d,
+            [] => d.hint("'rtscript help' lists the functions that there are"),
             near => d.hint(format!("did you mean {}?", near.join(" or "))),
         }
     }
@@ -102,11 +152,10 @@ impl Names {
         if !foreign.is_empty() {
             return foreign;
         }
-        let all = builtins();
         let known = entries()
             .map(|e| e.name)
             .chain(self.own.keys().map(String::as_str))
-            .chain(all.iter().map(String::as_str));
+            .chain(BUILTINS.iter().map(String::as_str));
         // Sorted by distance: what comes after the first is seldom meant.
         nearest_names(name, known)
             .into_iter()
@@ -116,8 +165,15 @@ impl Names {
     }
 }
 
-fn error(message: impl Into<String>) -> Diagnostic {
-    Diagnostic::error(ErrorKind::Script, message)
+fn error(code: Code, message: impl Into<String>) -> Diagnostic {
+    Diagnostic::error(ErrorKind::Script, message).class(code)
+}
+
+/// The error for a call of a function of the script with a number of arguments that it does not take.
+fn own_wrong_count(name: &str, forms: &[Vec<String>], given: usize) -> Diagnostic {
+    let forms: Vec<String> = forms.iter().map(|p| format!("({})", p.join(", "))).collect();
+    let message = format!("{name} takes {}, not {}", forms.join(" or "), arguments(given));
+    error(Code::ArgumentCount, message)
 }
 
 fn list(kinds: &[String]) -> String {
@@ -127,12 +183,18 @@ fn list(kinds: &[String]) -> String {
 /// An operator whose operands do not fit.
 fn operator(symbol: &str, kinds: &[String]) -> Diagnostic {
     if let Some(("get" | "set", property)) = symbol.split_once('$') {
-        return error(format!("no property {property} of {}", list(kinds)));
+        return error(
+            Code::UnknownProperty,
+            format!("no property {property} of {}", list(kinds)),
+        );
     }
-    let d = error(match kinds {
-        [one] => format!("'{symbol}' does not work on {one}"),
-        _ => format!("'{symbol}' does not work between {}", list(kinds)),
-    });
+    let d = error(
+        Code::OperandTypes,
+        match kinds {
+            [one] => format!("'{symbol}' does not work on {one}"),
+            _ => format!("'{symbol}' does not work between {}", list(kinds)),
+        },
+    );
     if kinds.iter().any(|k| k == "an array") && matches!(symbol, "+" | "-" | "*" | "/") {
         return d.hint("an array does not calculate; vec3(x, y, z) does");
     }
@@ -144,7 +206,7 @@ fn operator(symbol: &str, kinds: &[String]) -> Diagnostic {
 }
 
 /// Names of Rhai's own functions.
-fn builtins() -> BTreeSet<String> {
+static BUILTINS: LazyLock<BTreeSet<String>> = LazyLock::new(|| {
     let Ok(engine) = engine::compiler(&Limits::default()) else {
         return BTreeSet::new();
     };
@@ -152,13 +214,53 @@ fn builtins() -> BTreeSet<String> {
         .collect_fn_metadata(None, |f| Some(f.metadata.name.to_string()), true)
         .into_iter()
         .filter(|name| name.starts_with(char::is_alphabetic) && !name.contains('$'))
-        .chain(["print", "debug", "type_of", "call", "Fn"].map(str::to_owned))
+        .chain(OF_THE_PARSER.map(str::to_owned))
         .collect()
+});
+
+/// Functions that Rhai knows without a definition.
+const OF_THE_PARSER: [&str; 9] = [
+    "print",
+    "debug",
+    "type_of",
+    "call",
+    "Fn",
+    "is_def_fn",
+    "is_def_var",
+    "is_shared",
+    "eval",
+];
+
+/// Every name that a text declares.
+pub(super) fn declared(text: &str) -> BTreeSet<String> {
+    Declared::of(text).all
 }
+
+/// Names of colors with their codes, as CSS has them; only for hints.
+pub(super) const COLORS: [(&str, &str); 18] = [
+    ("black", "#000000"),
+    ("white", "#ffffff"),
+    ("gray", "#808080"),
+    ("grey", "#808080"),
+    ("silver", "#c0c0c0"),
+    ("red", "#ff0000"),
+    ("green", "#008000"),
+    ("lime", "#00ff00"),
+    ("blue", "#0000ff"),
+    ("navy", "#000080"),
+    ("yellow", "#ffff00"),
+    ("orange", "#ffa500"),
+    ("gold", "#ffd700"),
+    ("brown", "#a52a2a"),
+    ("purple", "#800080"),
+    ("magenta", "#ff00ff"),
+    ("cyan", "#00ffff"),
+    ("pink", "#ffc0cb"),
+];
 
 /// A name that stands for no variable.
 pub(super) fn unknown_variable(name: &str, pos: Position, text: &str) -> Diagnostic {
-    let d = error(format!("unknown variable {name}"));
+    let d = error(Code::UnknownVariable, format!("unknown variable {name}"));
     if let Some(entry) = entry(name) {
         return d.hint(format!("{name} is a function: write {}", entry.usage));
     }
@@ -166,6 +268,9 @@ pub(super) fn unknown_variable(name: &str, pos: Position, text: &str) -> Diagnos
         return d.hint(format!(
             "the name of a define is a string: define \"{name}\" {{ ... }}"
         ));
+    }
+    if let Some((_, code)) = COLORS.iter().find(|(color, _)| *color == name.to_lowercase()) {
+        return d.hint(format!("a color is written as its code: \"{code}\""));
     }
     let declared = Declared::of(text);
     if let Some(function) = declared.function_at(pos)
@@ -221,7 +326,7 @@ pub(super) fn word_at(text: &str, pos: Position) -> &str {
 
 /// What a text declares, found by looking over its tokens: good enough for a hint.
 #[derive(Default)]
-struct Declared {
+pub(super) struct Declared {
     /// Every name declared anywhere.
     all: BTreeSet<String>,
     /// Names declared outside functions.
@@ -231,7 +336,7 @@ struct Declared {
 }
 
 impl Declared {
-    fn of(text: &str) -> Self {
+    pub(super) fn of(text: &str) -> Self {
         let engine = Engine::new_raw();
         let scripts = [text];
         let (tokens, _) = engine.lex(&scripts);
@@ -277,7 +382,8 @@ impl Declared {
         found
     }
 
-    fn function_at(&self, pos: Position) -> Option<&str> {
+    /// The function whose body the place is in.
+    pub(super) fn function_at(&self, pos: Position) -> Option<&str> {
         self.functions
             .iter()
             .find(|(_, begin, end)| *begin < pos && pos < *end)

@@ -15,7 +15,7 @@ use super::{
     call::{kind_of, number_of},
     value::{Outcome, ScriptError},
 };
-use crate::math;
+use crate::{diag::Code, math};
 
 /// Names of the operators, in order of precedence.
 pub(super) const OPERATORS: [&str; 20] = [
@@ -131,6 +131,7 @@ pub(super) fn power(x: &Dynamic, y: &Dynamic) -> Outcome {
         });
         return exact.map(Dynamic::from).ok_or_else(|| {
             ScriptError::new(format!("{x} ** {y} is too large for an int"))
+                .class(Code::Arithmetic)
                 .hint(format!("write {x}.0 ** {y} for a float"))
         });
     }
@@ -140,7 +141,8 @@ pub(super) fn power(x: &Dynamic, y: &Dynamic) -> Outcome {
             "** takes two numbers, not {} and {}",
             kind_of(x),
             kind_of(y)
-        ))),
+        ))
+        .class(Code::OperandTypes)),
     }
 }
 

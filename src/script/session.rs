@@ -47,6 +47,31 @@ pub(super) struct Watch {
     pub(super) count: u32,
 }
 
+/// Lines of a text, a bit for each.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Lines(Vec<u64>);
+
+impl Lines {
+    /// None of the lines of `text`.
+    fn of(text: &str) -> Self {
+        Self(vec![0; text.lines().count() / 64 + 1])
+    }
+
+    #[inline]
+    fn insert(&mut self, line: usize) {
+        if let Some(bits) = self.0.get_mut(line / 64) {
+            *bits |= 1 << (line % 64);
+        }
+    }
+
+    /// Whether the line, counted from 1, is among them.
+    pub(super) fn contains(&self, line: usize) -> bool {
+        self.0
+            .get(line / 64)
+            .is_some_and(|bits| bits >> (line % 64) & 1 == 1)
+    }
+}
+
 /// Everything scene functions change.
 pub(crate) struct State {
     pub(crate) builder: Builder,
@@ -57,6 +82,8 @@ pub(crate) struct State {
     pub(crate) first: Option<SourceLoc>,
     /// The next call is looked at more closely: it is the first, or calls are watched.
     look_closer: bool,
+    /// Lines of the script from which scene functions were called.
+    pub(super) ran: Lines,
     /// Calls that are watched.
     watch: Option<Watch>,
     /// The run ended at the call that was looked for.
@@ -65,6 +92,8 @@ pub(crate) struct State {
     pub(crate) size: Option<(u32, u32)>,
     pub(crate) samples: Option<u32>,
     pub(crate) seed: Option<u64>,
+    /// Pictures are one pixel, which is as good as any other to a run of which only the scene counts.
+    pub(crate) dry: bool,
     /// Values that the caller gives to parameters of the script.
     pub(crate) given: BTreeMap<String, String>,
     /// Parameters that the script declared, in order.
@@ -108,12 +137,14 @@ impl State {
             host,
             random: Stream::new(options.seed.unwrap_or(0)),
             first: None,
+            ran: Lines::of(&main.text),
             look_closer: true,
             watch,
             found_call: false,
             size: options.size,
             samples: options.samples,
             seed: options.seed,
+            dry: options.dry,
             given: options.parameters.clone(),
             parameters: Vec::new(),
             pictures: Vec::new(),
@@ -138,6 +169,9 @@ impl State {
     #[inline]
     pub(super) fn called(&mut self, source: Option<&ImmutableString>, pos: Position) -> Outcome<()> {
         self.at(source, pos);
+        if self.current == 0 {
+            self.ran.insert(pos.line().unwrap_or(0));
+        }
         if self.look_closer {
             return self.look_closer();
         }

@@ -6,7 +6,7 @@ use rhai::{Dynamic, EvalAltResult, Position};
 
 use crate::{
     color::Color,
-    diag::{Diagnostic, ErrorKind},
+    diag::{Code, Diagnostic, ErrorKind},
     host::HostError,
     scene::{ImageTexture, SceneError, Texture},
 };
@@ -66,6 +66,7 @@ impl fmt::Display for TextureValue {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ScriptError {
     pub(crate) kind: ErrorKind,
+    pub(crate) code: Code,
     pub(crate) message: String,
     pub(crate) hints: Vec<String>,
     /// Where it was raised, once it was: Rhai forgets the place of what ends a run inside a function.
@@ -87,6 +88,7 @@ impl ScriptError {
     pub(crate) fn of_kind(kind: ErrorKind, message: impl Into<String>) -> Box<Self> {
         Box::new(Self {
             kind,
+            code: kind.into(),
             message: message.into(),
             hints: Vec::new(),
             place: None,
@@ -99,11 +101,17 @@ impl ScriptError {
     pub(crate) fn from_file(d: Diagnostic) -> Box<Self> {
         Box::new(Self {
             kind: d.kind,
+            code: d.code,
             message: d.message.clone(),
             hints: d.hints.clone(),
             place: None,
             of_file: d.file.is_some().then(|| Box::new(d)),
         })
+    }
+
+    pub(crate) fn class(mut self: Box<Self>, code: Code) -> Box<Self> {
+        self.code = code;
+        self
     }
 
     pub(crate) fn hint(mut self: Box<Self>, hint: impl Into<String>) -> Box<Self> {
@@ -145,6 +153,7 @@ impl From<SceneError> for Box<ScriptError> {
     fn from(e: SceneError) -> Self {
         Self::new(ScriptError {
             kind: e.kind,
+            code: e.code,
             message: e.message,
             hints: e.hint.into_iter().collect(),
             place: None,
@@ -155,6 +164,6 @@ impl From<SceneError> for Box<ScriptError> {
 
 impl From<HostError> for Box<ScriptError> {
     fn from(e: HostError) -> Self {
-        ScriptError::of_kind(e.kind, e.message)
+        ScriptError::from_file(e.diagnostic())
     }
 }

@@ -36,7 +36,7 @@ fn quiet_leaves_errors_only() {
         folder
             .ok(&["scene.rhai"])
             .stderr
-            .contains("warning: the scene is empty")
+            .contains("warning[empty-scene]: the scene is empty")
     );
     assert_eq!(folder.ok(&["-q", "scene.rhai"]).stderr, "");
     folder.fails(&["--quiet", "missing.rhai"], 3, &["no such file"]);

@@ -127,7 +127,7 @@ fn every_bad_scene_has_its_line_and_code() {
             "{line}: {}",
             ran.stderr
         );
-        assert!(ran.stderr.starts_with("error: "), "{line}: {}", ran.stderr);
+        assert!(ran.stderr.starts_with("error["), "{line}: {}", ran.stderr);
         assert!(
             !folder.files().contains(&"scene.png".to_owned()),
             "{line} left a picture"
@@ -162,7 +162,7 @@ fn an_empty_scene_shows_its_background_with_a_warning() {
     let folder = Folder::with("// nothing\nsize(4, 4);\nbackground([1, 0, 0]);\n");
     let ran = folder.ok(&["scene.rhai"]);
     assert!(
-        ran.stderr.contains("warning: the scene is empty"),
+        ran.stderr.contains("warning[empty-scene]: the scene is empty"),
         "{}",
         ran.stderr
     );

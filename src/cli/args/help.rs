@@ -8,7 +8,7 @@ use super::test::TerminalPictures;
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct HelpArgs {
-    /// A function (sphere), a constant, a group of functions (shapes) or a command (test)
+    /// A function (sphere), a constant, a group of functions (shapes), a command (test) or the class of a message (no-light)
     #[arg(value_name = "NAME")]
     pub(in crate::cli) name: Option<String>,
 

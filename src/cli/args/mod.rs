@@ -73,7 +73,7 @@ pub(super) enum Command {
     Test(TestArgs),
     /// Write a starter scene
     New(NewArgs),
-    /// Say whether scenes are sound, without rendering them
+    /// Say whether scenes are sound and what looks wrong with them, without rendering them
     Check(CheckArgs),
     /// List the parameters that a script declares
     Params(ParamsArgs),

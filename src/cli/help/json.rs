@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::{example::Example, forms::forms, markdown};
 use crate::{
-    diag::Error,
+    diag::{Code, Error},
     script::{CONSTANTS, Entry, Group, Kind, PROPERTIES, Param, entries},
 };
 
@@ -32,12 +32,17 @@ pub(super) fn api() -> Result<String, Error> {
         .into_iter()
         .map(|g| json!({ "name": g.title(), "doc": g.doc() }))
         .collect();
+    let messages: Vec<Value> = Code::ALL
+        .iter()
+        .map(|code| json!({ "code": code.name(), "severity": code.severity().name(), "doc": code.explanation() }))
+        .collect();
     let api = json!({
         "groups": groups,
         "functions": functions,
         "properties": properties,
         "constants": constants,
         "types": kinds,
+        "messages": messages,
     });
     Ok(format!("{api:#}\n"))
 }

@@ -7,7 +7,7 @@ use super::{
     forms::{forms, parameters},
 };
 use crate::{
-    diag::Error,
+    diag::{Code, Error, Severity},
     script::{CONSTANTS, Entry, Group, Kind, PROPERTIES, entries},
 };
 
@@ -62,7 +62,7 @@ pub(super) fn reference() -> Result<String, Error> {
             ),
         );
     }
-    page += "- [Properties](#properties) and [constants](#constants)\n";
+    page += "- [Properties](#properties) and [constants](#constants)\n- [Errors and warnings](#errors-and-warnings)\n";
     for group in Group::ALL {
         line(&mut page, &format!("\n## {}\n\n{}", group.title(), group.doc()));
         for entry in of(group) {
@@ -94,7 +94,23 @@ pub(super) fn reference() -> Result<String, Error> {
             &format!("| `{}` | {} | {} |", c.name, c.value, cell(c.doc)),
         );
     }
+    messages(&mut page);
     Ok(page)
+}
+
+/// The classes of errors and warnings.
+fn messages(page: &mut String) {
+    *page += "\n## Errors and warnings\n\nThe word in brackets after `error` or `warning` is the class of the message. `--message-format json` has it \
+              as `code`, and\n`rtscript help no-light` tells of it in the terminal. Words of messages may change, classes stay.\n";
+    for (severity, heading) in [(Severity::Error, "error"), (Severity::Warning, "warning")] {
+        line(page, &format!("\n| {heading} | what it means |\n|---|---|"));
+        for code in Code::ALL.iter().filter(|code| code.severity() == severity) {
+            line(
+                page,
+                &format!("| `{}` | {} |", code.name(), cell(code.explanation())),
+            );
+        }
+    }
 }
 
 fn of(group: Group) -> impl Iterator<Item = &'static Entry> {

@@ -17,7 +17,7 @@ use super::{
     picture, usage, without_place, write_stdout,
 };
 use crate::{
-    diag::{Error, ErrorKind, nearest_names},
+    diag::{Code, Error, ErrorKind, nearest_names},
     host::HostError,
     output::{self, Format},
     script::{CONSTANTS, Entry, Group, PROPERTIES, entries, entry},
@@ -33,6 +33,8 @@ enum Topic {
     Group(Group),
     /// A command of the program.
     Command(String),
+    /// A class of errors or warnings.
+    Code(Code),
 }
 
 impl Topic {
@@ -50,6 +52,9 @@ impl Topic {
         }
         if let Some(entry) = entries().find(is_called_so) {
             return Some(Self::Function(entry));
+        }
+        if let Some(code) = Code::from_name(name) {
+            return Some(Self::Code(code));
         }
         let group = Group::ALL.into_iter().find(|g| group_name(*g) == name);
         group.map(Self::Group)
@@ -91,6 +96,7 @@ pub(super) fn help(args: &HelpArgs) -> Result<u8, Error> {
         }
         Some(Topic::Word(line)) => print_styled(&line),
         Some(Topic::Group(group)) => print_styled(&text::group(group)),
+        Some(Topic::Code(code)) => print_styled(&text::code(code)),
         Some(Topic::Command(name)) => Ok(command_help(&name)),
         None => Ok(unknown(name)),
     }
@@ -111,7 +117,12 @@ fn unknown(name: &str) -> u8 {
     let words = CONSTANTS.iter().map(|c| c.name);
     let properties = PROPERTIES.iter().map(|p| p.name);
     let functions = entries().flat_map(|e| e.also.iter().copied().chain([e.name]));
-    let all = functions.chain(words).chain(properties).chain(commands);
+    let codes = Code::ALL.iter().map(|code| code.name());
+    let all = functions
+        .chain(words)
+        .chain(properties)
+        .chain(commands)
+        .chain(codes);
     let near: Vec<String> = nearest_names(name, all)
         .into_iter()
         .map(|near| format!("'{near}'"))

@@ -7,7 +7,10 @@ use super::{
     forms::{forms, parameters},
     group_name,
 };
-use crate::script::{CONSTANTS, Entry, Group, PROPERTIES, entries};
+use crate::{
+    diag::Code,
+    script::{CONSTANTS, Entry, Group, PROPERTIES, entries},
+};
 
 /// Columns that texts are wrapped at.
 const WIDTH: usize = 100;
@@ -32,6 +35,7 @@ pub(super) fn contents() -> String {
         text,
         "rtscript help NAME       a function with its example, such as rtscript help sphere\n\
          rtscript help COMMAND    as rtscript COMMAND --help\n\
+         rtscript help CODE       what the word in brackets after error or warning means\n\
          rtscript help --json     all of it for programs; --definitions for editors"
     );
     text
@@ -144,6 +148,12 @@ pub(super) fn word(name: &str) -> Option<String> {
         p.kind.name(),
         p.doc
     ))
+}
+
+/// What a class of errors or warnings means.
+pub(super) fn code(code: Code) -> String {
+    let title = format!("{}[{}]", code.severity().name(), code.name());
+    format!("{}\n\n{}\n", bold(&title), wrapped(code.explanation(), 0))
 }
 
 /// The text in lines of at most [`WIDTH`] columns, all but the first indented.

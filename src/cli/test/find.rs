@@ -7,7 +7,7 @@ use std::{
 };
 
 use crate::{
-    diag::{Diagnostic, Error, ErrorKind},
+    diag::{Code, Diagnostic, Error, ErrorKind},
     output::reason,
 };
 
@@ -105,6 +105,7 @@ fn unreadable(path: &Path, error: &io::Error) -> Error {
         _ => format!("cannot read '{path}': {}", reason(error)),
     };
     Diagnostic::error(ErrorKind::Input, message)
+        .class(Code::UnreadableFile)
         .hint("name scenes (.rhai, .test) or folders that hold them")
         .into()
 }

@@ -1,12 +1,12 @@
 //! What each pixel costs, counted rather than timed.
 
-use super::by_rows;
 use crate::{
     color::Color,
     diag::Error,
     host::Host,
     math::Ray,
     render::{
+        by_rows,
         integrator::{self, Counts, Stack},
         lighting::Lit,
         observe::{Arrived, Observer},
@@ -47,7 +47,7 @@ pub fn costs(scene: &Scene, host: &dyn Host) -> Result<Vec<PixelCost>, Error> {
     let world = World::compile(scene)?;
     let s = &scene.settings;
     let frame = scene.camera.frame(s.width, s.height);
-    by_rows(scene, host, |x, y, interrupt| {
+    by_rows((s.width, s.height), host, |x, y, interrupt| {
         let mut meter = Meter {
             world: &world,
             cost: PixelCost::default(),

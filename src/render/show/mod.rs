@@ -5,19 +5,16 @@ mod ramp;
 
 pub use cost::{PixelCost, costs};
 
-use rayon::prelude::*;
-
 use super::{
-    RenderOptions,
+    RenderOptions, by_rows,
     film::Image,
-    interrupt::Interrupt,
     on_threads,
     sampler::mix,
     world::{Probe, World},
 };
 use crate::{
     color::Color,
-    diag::{Diagnostic, Error, ErrorKind},
+    diag::Error,
     host::Host,
     math::DVec3,
     scene::{Encoding, Scene},
@@ -125,7 +122,7 @@ fn fraction(x: f64) -> f64 {
 fn met(world: &World<'_>, host: &dyn Host) -> Result<Vec<Option<Met>>, Error> {
     let s = &world.scene.settings;
     let frame = world.scene.camera.frame(s.width, s.height);
-    by_rows(world.scene, host, |x, y, _| {
+    by_rows((s.width, s.height), host, |x, y, _| {
         let ray = frame.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
         let hit = world.nearest(&Probe::from_space(ray), f64::INFINITY)?;
         let at = world.surface(&hit, &ray)?;
@@ -136,29 +133,6 @@ fn met(world: &World<'_>, host: &dyn Host) -> Result<Vec<Option<Met>>, Error> {
             uv: at.uv.to_array(),
         })
     })
-}
-
-/// `pixel` of every column and row, rows from the top, on all threads.
-fn by_rows<T: Send>(
-    scene: &Scene,
-    host: &dyn Host,
-    pixel: impl Fn(u32, u32, &Interrupt<'_>) -> T + Sync,
-) -> Result<Vec<T>, Error> {
-    let (width, height) = (scene.settings.width, scene.settings.height);
-    let interrupt = Interrupt::new(host);
-    let rows: Vec<Vec<T>> = (0..height)
-        .into_par_iter()
-        .map(|y| {
-            if interrupt.poll() {
-                return Vec::new();
-            }
-            (0..width).map(|x| pixel(x, y, &interrupt)).collect()
-        })
-        .collect();
-    if interrupt.is_stopped() {
-        return Err(Diagnostic::error(ErrorKind::Cancelled, "the render was stopped").into());
-    }
-    Ok(rows.into_iter().flatten().collect())
 }
 
 #[cfg(test)]

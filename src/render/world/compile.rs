@@ -269,12 +269,7 @@ impl<'s> Compiler<'s> {
     /// See [`Level::transparent`]. A shared mesh takes the material of whoever places it, so it may be
     /// transparent as soon as anything is.
     fn transparency(&self, level: &Level) -> Vec<u64> {
-        let transparent: Vec<bool> = self
-            .scene
-            .materials
-            .iter()
-            .map(|m| !m.transmission.is_black())
-            .collect();
+        let transparent: Vec<bool> = self.scene.materials.iter().map(|m| !m.is_opaque()).collect();
         if !transparent.contains(&true) {
             return Vec::new();
         }

@@ -27,7 +27,7 @@ pub(crate) use shaft::FewObstacles;
 pub(crate) use surface::SurfacePoint;
 
 use crate::{
-    math::{DVec3, Ray},
+    math::{Bounds3, DVec3, Ray},
     scene::Scene,
 };
 use level::Level;
@@ -142,6 +142,11 @@ impl<'s> World<'s> {
     #[must_use]
     pub fn bytes(&self) -> u64 {
         self.levels.iter().map(|level| level.bytes() as u64).sum()
+    }
+
+    /// A box around everything; `None` where something has no end, or where there is nothing.
+    pub(super) fn bounds(&self) -> Option<Bounds3> {
+        self.root()?.bounds
     }
 
     fn root(&self) -> Option<&Level<'s>> {

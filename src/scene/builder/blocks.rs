@@ -1,6 +1,7 @@
 //! Blocks that restore what they change, and groups with names.
 
 use super::{Builder, Placing, SceneError};
+use crate::diag::{Code, nearest_names};
 use crate::scene::{Geometry, Group, GroupId, Material};
 
 /// What a `group` or `define` block restores when it is left; see [`Builder::begin_group`].
@@ -119,8 +120,8 @@ impl Builder {
             return Ok(id);
         }
         let known: Vec<&str> = self.scene.names.keys().map(String::as_str).collect();
-        let error = SceneError::new(format!("no group is defined as \"{name}\""));
-        let near = crate::diag::nearest_names(name, known.iter().copied());
+        let error = SceneError::new(format!("no group is defined as \"{name}\"")).class(Code::UnknownGroup);
+        let near = nearest_names(name, known.iter().copied());
         Err(match (near.first(), known.is_empty()) {
             (Some(near), _) => error.hint(format!("did you mean \"{near}\"?")),
             (None, true) => error.hint(format!("define \"{name}\" {{ ... }} must come first")),

@@ -19,9 +19,9 @@ use super::{
     Settings, material::MaterialKey,
 };
 use crate::{
-    diag::{Diagnostic, Report, SourceLoc},
+    diag::{Code, Diagnostic, Report, SourceLoc},
     limits::Limits,
-    math::{DAffine3, DVec3, max_abs},
+    math::{DAffine3, DVec3, brief, max_abs},
 };
 
 /// Builds a [`Scene`] call by call.
@@ -119,14 +119,14 @@ impl Builder {
         self.loc
     }
 
-    /// A warning at the current place.
-    pub fn warn(&mut self, message: impl Into<String>, hint: Option<&str>) {
+    /// A warning of the class `code` at the current place.
+    pub fn warn(&mut self, code: Code, message: impl Into<String>, hint: Option<&str>) {
         let loc = self.loc;
-        self.warn_at(message, hint, loc);
+        self.warn_at(code, message, hint, loc);
     }
 
-    fn warn_at(&mut self, message: impl Into<String>, hint: Option<&str>, loc: SourceLoc) {
-        let mut d = Diagnostic::warning(message);
+    fn warn_at(&mut self, code: Code, message: impl Into<String>, hint: Option<&str>, loc: SourceLoc) {
+        let mut d = Diagnostic::warning(code, message);
         if let Some(file) = self.scene.files.get(usize::from(loc.file)) {
             d = d.at(file, loc.line, u32::from(loc.column));
         }
@@ -179,6 +179,7 @@ impl Builder {
         let unpopped: Vec<SourceLoc> = self.stack.iter().skip(from).map(|(_, loc)| *loc).collect();
         for loc in unpopped {
             self.warn_at(
+                Code::PushWithoutPop,
                 "pushTransform is never popped",
                 Some("add popTransform(), or use group { }"),
                 loc,
@@ -193,6 +194,7 @@ impl Builder {
             return Err(SceneError::new(format!(
                 "{article} {what} cannot be placed under a singular matrix: it is flattened to nothing"
             ))
+            .class(Code::SingularMatrix)
             .hint("is a component of scale(...) 0?"));
         }
         Ok(())
@@ -250,7 +252,8 @@ fn finite(what: &str, v: DVec3) -> Result<DVec3, SceneError> {
         return Ok(v);
     }
     Err(SceneError::new(format!(
-        "{what} must be finite numbers within 1e15, not [{}, {}, {}]",
-        v.x, v.y, v.z
-    )))
+        "{what} must be finite numbers within 1e15, not {}",
+        brief(v)
+    ))
+    .class(Code::NotFinite))
 }

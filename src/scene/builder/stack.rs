@@ -1,6 +1,7 @@
 //! The matrix stack.
 
 use super::{Builder, Placing, SceneError, finite};
+use crate::diag::Code;
 use crate::math::{self, DAffine3, DMat3, DVec3};
 
 impl Builder {
@@ -37,6 +38,7 @@ impl Builder {
             let inside = if self.floor > 0 { " inside this block" } else { "" };
             return Err(
                 SceneError::new(format!("popTransform without a pushTransform before it{inside}"))
+                    .class(Code::PopWithoutPush)
                     .hint("each popTransform() undoes one pushTransform(); remove it or add the push"),
             );
         }

@@ -2,7 +2,8 @@
 
 use super::{color, int, number, string, vec3};
 use crate::{
-    diag::nearest_names,
+    diag::{Code, nearest_names},
+    math::{DVec3, brief},
     scene::{Camera, Encoding},
     script::{
         call::{Call, quoted},
@@ -133,6 +134,18 @@ fn camera(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     let (eye, at, up) = (call.vec3("from")?, call.vec3("at")?, call.vec3("up")?);
     let fovy = call.number("fovy")?;
     call.end()?;
-    state.builder.camera(Camera::new(eye, at, up, fovy)?);
+    const ORDER: &str = "the order is camera(from, at, up, fovy): are the second and the third exchanged?";
+    // Directions that people take for up, where the other is no direction at all.
+    let is_up = [DVec3::Y, DVec3::Z].contains(&at.abs());
+    let are_exchanged = is_up && !(0.9..1.1).contains(&up.length());
+    let camera = Camera::new(eye, at, up, fovy).map_err(|e| if are_exchanged { e.hint(ORDER) } else { e })?;
+    if are_exchanged {
+        let (at, up) = (brief(at), brief(up));
+        let message = format!(
+            "the camera looks at {at}, as if that were up, and its up is {up}, as if that were a point"
+        );
+        state.builder.warn(Code::ExchangedArguments, message, Some(ORDER));
+    }
+    state.builder.camera(camera);
     DONE
 }

@@ -51,11 +51,20 @@ fn render(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
             .error("name must not be empty")
             .hint("for example render(\"picture.png\")"));
     }
-    let scene = state.builder.lend();
+    let mut scene = state.builder.lend();
+    let settings = scene.settings.clone();
+    if state.dry {
+        (
+            scene.settings.width,
+            scene.settings.height,
+            scene.settings.samples,
+        ) = (1, 1, 1);
+    }
     let clock = Clock::start();
     // Where no scene comes back, nobody is left who could render, and the run is over.
     let result = match state.host.render(scene) {
-        Some((scene, result)) => {
+        Some((mut scene, result)) => {
+            scene.settings = settings.clone();
             state.builder.take_back(scene);
             result.map_err(|e| ScriptError::from_file(*e.diagnostic))
         }
@@ -68,11 +77,16 @@ fn render(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     if let Some(name) = &name {
         state.host.write_shared(name, &image)?;
     }
+    let (width, height) = (settings.width, settings.height);
+    let texels = match image.pixels() {
+        [pixel] => vec![*pixel; width as usize * height as usize],
+        pixels => pixels.to_vec(),
+    };
     let value = ImageValue::new(ImageTexture {
         name: name.as_deref().unwrap_or("render()").to_owned(),
-        width: image.width(),
-        height: image.height(),
-        texels: Texels::Linear(image.pixels().to_vec()),
+        width,
+        height,
+        texels: Texels::Linear(texels),
     });
     state.pictures.push(Picture {
         name: name.map(|n| n.to_string()),

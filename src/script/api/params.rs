@@ -4,7 +4,7 @@ use rhai::{Dynamic, ImmutableString, Map};
 
 use super::{map, string};
 use crate::{
-    diag::{SourceLoc, nearest_names},
+    diag::{Code, SourceLoc, nearest_names},
     parameters::{Declared, ParameterKind, RESERVED, is_name},
     script::{
         call::{Call, kind_of, quoted},
@@ -208,7 +208,8 @@ fn refused(call: &Call<'_, '_>, declared: &Declared, text: &str) -> Box<ScriptEr
 pub(in crate::script) fn unknown(state: &State) -> Option<Box<ScriptError>> {
     let known: Vec<&str> = state.parameters.iter().map(|p| p.name.as_str()).collect();
     let name = state.given.keys().find(|name| !known.contains(&name.as_str()))?;
-    let error = ScriptError::new(format!("the script has no parameter {}", quoted(name)));
+    let error = ScriptError::new(format!("the script has no parameter {}", quoted(name)))
+        .class(Code::UnknownParameter);
     Some(
         match (
             nearest_names(name, known.iter().copied()).first(),

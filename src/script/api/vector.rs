@@ -4,6 +4,7 @@ use rhai::{Array, Dynamic, EvalAltResult, FuncRegistration, Module, Position};
 
 use super::{number, vec3};
 use crate::{
+    diag::Code,
     math::DVec3,
     script::{
         call::{Call, number_of},
@@ -216,6 +217,7 @@ fn component(v: &mut DVec3, i: i64) -> Raised<&mut f64> {
         1 | -2 => Ok(&mut v.y),
         2 | -1 => Ok(&mut v.z),
         _ => Err(ScriptError::new(format!("a vector has no component {i}"))
+            .class(Code::IndexRange)
             .hint("its components are [0], [1] and [2], or .x, .y and .z")
             .raise(Position::NONE)),
     }

@@ -7,7 +7,7 @@ use rhai::{AST, EvalAltResult, ParseError, Position};
 
 use super::{CallSite, names, session::Source, value::ScriptError};
 use crate::{
-    diag::{Diagnostic, ErrorKind},
+    diag::{Code, Diagnostic, ErrorKind},
     limits::Limits,
 };
 
@@ -30,7 +30,7 @@ pub(super) struct Context<'a> {
 }
 
 impl Context<'_> {
-    fn text(&self, file: &str) -> &str {
+    pub(super) fn text(&self, file: &str) -> &str {
         self.sources
             .iter()
             .find(|s| s.name == file)
@@ -42,7 +42,7 @@ impl Context<'_> {
     }
 
     /// Adds the place, with the line's text.
-    fn place(&self, d: Diagnostic, file: &str, pos: Position) -> Diagnostic {
+    pub(super) fn place(&self, d: Diagnostic, file: &str, pos: Position) -> Diagnostic {
         let line = pos.line().unwrap_or(0) as u32;
         let text = self.text(file);
         if line == LAST_LINE && text.lines().count() > LAST_LINE as usize {
@@ -57,7 +57,11 @@ impl Context<'_> {
 
 /// A script that cannot be read.
 pub(super) fn of_parse(error: &ParseError, file: &str, context: &Context<'_>) -> Diagnostic {
-    let d = syntax::message(&error.0, error.1, context.text(file), context);
+    let text = context.text(file);
+    if let Some((d, pos)) = syntax::elsewhere(&error.0, error.1, text) {
+        return finish(context.place(d, file, pos));
+    }
+    let d = syntax::message(&error.0, error.1, text, context);
     finish(context.place(d, file, error.1))
 }
 
@@ -201,7 +205,7 @@ fn call_note(step: &Step<'_>) -> String {
 }
 
 /// The last touches: no message is longer than a page, none has a line break.
-fn finish(mut d: Diagnostic) -> Diagnostic {
+pub(super) fn finish(mut d: Diagnostic) -> Diagnostic {
     d.message = shortened(&d.message);
     for text in d.notes.iter_mut().chain(&mut d.hints) {
         *text = shortened(text);
@@ -234,8 +238,8 @@ fn script_error(error: &EvalAltResult) -> Option<ScriptError> {
     }
 }
 
-fn script(message: impl Into<String>) -> Diagnostic {
-    Diagnostic::error(ErrorKind::Script, message)
+fn script(code: Code, message: impl Into<String>) -> Diagnostic {
+    Diagnostic::error(ErrorKind::Script, message).class(code)
 }
 
 fn limit(what: &str, name: &str, value: impl std::fmt::Display) -> Diagnostic {

@@ -4,7 +4,7 @@ use rhai::{Dynamic, EvalAltResult, Position};
 
 use super::{Context, limit, script, script_error, syntax, uncapitalized};
 use crate::{
-    diag::{Diagnostic, ErrorKind},
+    diag::{Code, Diagnostic, ErrorKind},
     limits::Limits,
     math::DVec3,
     script::{
@@ -16,42 +16,57 @@ use crate::{
 pub(super) fn message(error: &EvalAltResult, pos: Position, text: &str, context: &Context<'_>) -> Diagnostic {
     use EvalAltResult as E;
     if let Some(e) = script_error(error) {
-        let mut d = Diagnostic::error(e.kind, e.message);
+        let mut d = Diagnostic::error(e.kind, e.message).class(e.code);
         d.hints = e.hints;
         return d;
     }
     let limits = context.limits;
     match error {
-        E::ErrorFunctionNotFound(signature, _) => Names::of(context.ast).unknown_function(signature),
+        E::ErrorFunctionNotFound(signature, _) => {
+            Names::of(context.ast).unknown_function(signature, context.sources)
+        }
         E::ErrorVariableNotFound(name, _) => names::unknown_variable(name, pos, text),
         E::ErrorParsing(e, pos) => syntax::message(e, *pos, text, context),
-        E::ErrorPropertyNotFound(name, _) => script(format!("the map has no property {}", quoted(name)))
-            .hint(format!("whether it has one is told by {} in map", quoted(name))),
+        E::ErrorPropertyNotFound(name, _) => script(
+            Code::UnknownProperty,
+            format!("the map has no property {}", quoted(name)),
+        )
+        .hint(format!("whether it has one is told by {} in map", quoted(name))),
         E::ErrorDotExpr(message, _) => unknown_property(message),
-        E::ErrorModuleNotFound(name, _) => script(format!("no module is imported as {}", quoted(name))),
+        E::ErrorModuleNotFound(name, _) => script(
+            Code::UnknownModule,
+            format!("no module is imported as {}", quoted(name)),
+        ),
         E::ErrorMismatchDataType(wanted, given, _) | E::ErrorMismatchOutputType(wanted, given, _) => script(
+            Code::ArgumentType,
             format!("expected {}, not {}", kind_name(wanted), kind_name(given)),
         ),
         E::ErrorIndexingType(kind, _) => not_indexable(kind),
-        E::ErrorIndexNotFound(index, _) => script(format!(
-            "there is nothing at index {}",
-            quoted(&index.to_string())
-        )),
+        E::ErrorIndexNotFound(index, _) => script(
+            Code::IndexRange,
+            format!("there is nothing at index {}", quoted(&index.to_string())),
+        ),
         E::ErrorArrayBounds(len, index, _) => out_of_bounds("the array", "element", *len, *index),
         E::ErrorStringBounds(len, index, _) => out_of_bounds("the string", "character", *len, *index),
         E::ErrorBitFieldBounds(len, index, _) => out_of_bounds("the number", "bit", *len, *index),
-        E::ErrorFor(_) => script("for needs something to run through")
+        E::ErrorFor(_) => script(Code::ArgumentType, "for needs something to run through")
             .hint("a range (0..10), an array, a map's keys() or a string's chars()"),
-        E::ErrorAssignmentToConstant(name, _) => {
-            script(format!("{name} is a constant and cannot be changed")).hint("declare it with let")
-        }
-        E::ErrorNonPureMethodCallOnConstant(name, _) => {
-            script(format!("a constant cannot be changed by {}", names::plain(name)))
-                .hint("declare it with let")
-        }
-        E::ErrorUnboundThis(_) => script("this is only known inside a function called on a value: value.f()"),
-        E::ErrorArithmetic(message, _) => script(uncapitalized(message)),
-        E::ErrorRuntime(value, _) => script(thrown_text(value)),
+        E::ErrorAssignmentToConstant(name, _) => script(
+            Code::ConstantChanged,
+            format!("{name} is a constant and cannot be changed"),
+        )
+        .hint("declare it with let"),
+        E::ErrorNonPureMethodCallOnConstant(name, _) => script(
+            Code::ConstantChanged,
+            format!("a constant cannot be changed by {}", names::plain(name)),
+        )
+        .hint("declare it with let"),
+        E::ErrorUnboundThis(_) => script(
+            Code::Syntax,
+            "this is only known inside a function called on a value: value.f()",
+        ),
+        E::ErrorArithmetic(message, _) => script(Code::Arithmetic, uncapitalized(message)),
+        E::ErrorRuntime(value, _) => script(Code::Thrown, thrown_text(value)),
         E::ErrorTooManyVariables(_) => limit("too many variables", "variables", limits.variables),
         E::ErrorTooManyModules(_) => limit("too many imports", "files", limits.files),
         E::ErrorStackOverflow(_) => limit(
@@ -62,8 +77,8 @@ pub(super) fn message(error: &EvalAltResult, pos: Position, text: &str, context:
         .hint("does a function that calls itself come to an end?"),
         E::ErrorDataTooLarge(what, _) => too_large(what, limits),
         E::ErrorTerminated(..) => Diagnostic::error(ErrorKind::Cancelled, "the run was stopped"),
-        E::LoopBreak(..) => script("break and continue only stand inside a loop"),
-        other => script(uncapitalized(&without_place(other))),
+        E::LoopBreak(..) => script(Code::Syntax, "break and continue only stand inside a loop"),
+        other => script(Code::InvalidValue, uncapitalized(&without_place(other))),
     }
 }
 
@@ -99,11 +114,14 @@ pub(super) fn too_large(what: &str, limits: &Limits) -> Diagnostic {
 }
 
 fn out_of_bounds(what: &str, part: &str, len: usize, index: i64) -> Diagnostic {
-    let d = script(match len {
-        0 => format!("{what} is empty: there is no {part} {index}"),
-        1 => format!("{what} has 1 {part}: there is no {part} {index}"),
-        _ => format!("{what} has {len} {part}s: there is no {part} {index}"),
-    });
+    let d = script(
+        Code::IndexRange,
+        match len {
+            0 => format!("{what} is empty: there is no {part} {index}"),
+            1 => format!("{what} has 1 {part}: there is no {part} {index}"),
+            _ => format!("{what} has {len} {part}s: there is no {part} {index}"),
+        },
+    );
     if usize::try_from(index).is_ok_and(|i| i == len && len > 0) {
         return d.hint(format!("{part}s count from 0: the last is {}", len - 1));
     }
@@ -113,31 +131,37 @@ fn out_of_bounds(what: &str, part: &str, len: usize, index: i64) -> Diagnostic {
 fn not_indexable(kind: &str) -> Diagnostic {
     // Rhai writes "vec3 [string]".
     let (value, index) = kind.split_once(" [").unwrap_or((kind, ""));
-    script(format!(
-        "{} cannot be indexed{}",
-        kind_name(value),
-        match index.trim_end_matches(']') {
-            "" => String::new(),
-            index => format!(" by {}", kind_name(index)),
-        }
-    ))
+    script(
+        Code::ArgumentType,
+        format!(
+            "{} cannot be indexed{}",
+            kind_name(value),
+            match index.trim_end_matches(']') {
+                "" => String::new(),
+                index => format!(" by {}", kind_name(index)),
+            }
+        ),
+    )
 }
 
 /// Rhai's "Unknown property 'w' - a getter is not registered for type 'vec3'".
 fn unknown_property(message: &str) -> Diagnostic {
     let quoted_parts: Vec<&str> = message.split('\'').collect();
     let [_, name, middle, kind, ..] = quoted_parts.as_slice() else {
-        return script(uncapitalized(message));
+        return script(Code::UnknownProperty, uncapitalized(message));
     };
     let kind = kind_name(kind);
     if middle.contains("setter") {
-        let d = script(format!("property {name} of {kind} cannot be set to this"));
+        let d = script(
+            Code::ArgumentType,
+            format!("property {name} of {kind} cannot be set to this"),
+        );
         return match kind.as_str() {
             "a vector" => d.hint("a vector has .x .y .z, which are numbers"),
             _ => d,
         };
     }
-    let d = script(format!("{kind} has no property {name}"));
+    let d = script(Code::UnknownProperty, format!("{kind} has no property {name}"));
     match kind.as_str() {
         "a vector" => d.hint("a vector has .x .y .z"),
         "an image" => d.hint("an image has .width and .height, and .pixel(x, y)"),

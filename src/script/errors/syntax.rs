@@ -4,8 +4,8 @@ use rhai::{LexError, ParseErrorType, Position};
 
 use super::{Context, limit, runtime::too_large, script, uncapitalized};
 use crate::{
-    diag::{Diagnostic, ErrorKind},
-    script::{call::quoted, names},
+    diag::{Code, Diagnostic, ErrorKind},
+    script::{call::quoted, names, recover},
 };
 
 pub(super) fn message(
@@ -17,43 +17,57 @@ pub(super) fn message(
     use ParseErrorType as P;
     let limits = context.limits;
     match error {
-        P::UnexpectedEOF => {
-            script("the script ends in the middle of a statement").hint("is a bracket or a brace left open?")
-        }
+        P::UnexpectedEOF => script(Code::Unclosed, "the script ends in the middle of a statement")
+            .hint("is a bracket or a brace left open?"),
         P::BadInput(e) => lex_message(e),
         P::VariableUndefined(name) => names::unknown_variable(name, pos, text),
-        P::ModuleUndefined(name) => {
-            script(format!("no module is imported as {name}")).hint(format!("import \"{name}\" as {name};"))
+        P::ModuleUndefined(name) => script(Code::UnknownModule, format!("no module is imported as {name}"))
+            .hint(format!("import \"{name}\" as {name};")),
+        P::VariableExpected if names::line_before(text, pos).trim_end().ends_with("for (") => {
+            script(Code::Syntax, "for takes a name and what it runs through")
+                .hint("for i in 0..5 { ... } counts from 0 to 4")
+        }
+        P::MissingToken(token, why) if token == "," && why.contains("this array") => {
+            script(Code::Syntax, "expected ',' or ']' after an item of this array")
         }
         P::MissingToken(token, why) => missing_token(token, why, names::line_before(text, pos)),
-        P::Reserved(word) if word == "#" => script("'#' begins nothing").hint("comments begin with //"),
-        P::Reserved(word) if rhai::is_valid_identifier(word) => {
-            script(format!("'{word}' is a reserved word")).hint("give the variable another name")
+        P::Reserved(word) if word == "#" => {
+            script(Code::Syntax, "'#' begins nothing").hint("comments begin with //")
         }
-        P::Reserved(symbol) => script(format!("'{symbol}' has no meaning here")),
+        P::Reserved(word) if rhai::is_valid_identifier(word) => {
+            script(Code::ReservedWord, format!("'{word}' is a reserved word"))
+                .hint("give the variable another name")
+        }
+        P::Reserved(symbol) => script(Code::Syntax, format!("'{symbol}' has no meaning here")),
         P::PropertyExpected => match names::word_at(text, pos) {
             word @ ("eval" | "curry") => not_available(word),
-            _ => script("expected the name of a property or a method"),
+            _ => script(Code::Syntax, "expected the name of a property or a method"),
         },
         P::UnknownOperator(op) => {
-            let d = script(format!("there is no operator '{op}'"));
+            let d = script(Code::Syntax, format!("there is no operator '{op}'"));
             match op.as_str() {
                 "++" => d.hint("write x += 1"),
                 "--" => d.hint("write x -= 1"),
                 _ => d,
             }
         }
-        P::WrongFnDefinition => {
-            script("a function can only be defined at the top level, not inside a block or another function")
-        }
+        P::WrongFnDefinition => script(
+            Code::Syntax,
+            "a function can only be defined at the top level, not inside a block or another function",
+        )
+        .hint("a closure may stand anywhere: let ball = |r| sphere(0, 0, 0, r); ball.call(1);"),
         P::AssignmentToConstant(name) if name.is_empty() => {
-            script("only a variable can be assigned to").hint("== compares")
+            script(Code::ConstantChanged, "only a variable can be assigned to").hint("== compares")
         }
-        P::AssignmentToConstant(name) => {
-            script(format!("{name} is a constant and cannot be changed")).hint("declare it with let")
+        P::AssignmentToConstant(name) => script(
+            Code::ConstantChanged,
+            format!("{name} is a constant and cannot be changed"),
+        )
+        .hint("declare it with let"),
+        P::AssignmentToInvalidLHS(_) => {
+            script(Code::ConstantChanged, "this cannot be assigned to").hint("== compares")
         }
-        P::AssignmentToInvalidLHS(_) => script("this cannot be assigned to").hint("== compares"),
-        P::LoopBreak => script("break and continue only stand inside a loop"),
+        P::LoopBreak => script(Code::Syntax, "break and continue only stand inside a loop"),
         P::ExprTooDeep => limit(
             "expressions or blocks are nested too deep",
             "expression_depth",
@@ -63,12 +77,13 @@ pub(super) fn message(
         P::LiteralTooLarge(what, _) => too_large(what, limits),
         P::FnDuplicatedDefinition(name, n) => {
             let plural = if *n == 1 { "" } else { "s" };
-            script(format!(
-                "the function {name} with {n} parameter{plural} is defined twice"
-            ))
+            script(
+                Code::DuplicateFunction,
+                format!("the function {name} with {n} parameter{plural} is defined twice"),
+            )
         }
         P::MismatchedType(wanted, given) => {
-            let d = script(format!("expected {wanted}, not {given}"));
+            let d = script(Code::ArgumentType, format!("expected {wanted}, not {given}"));
             match wanted.as_str() {
                 "an iterable value" => d.hint("a range 0..10 runs from 0 to 9"),
                 "a boolean expression" => d.hint("compare: x != 0"),
@@ -76,14 +91,45 @@ pub(super) fn message(
             }
         }
         P::WrongDocComment => {
-            script("a /// comment can only stand before a function").hint("write // instead")
+            script(Code::Syntax, "a /// comment can only stand before a function").hint("write // instead")
         }
-        other => script(uncapitalized(&other.to_string())),
+        other => script(Code::Syntax, uncapitalized(&other.to_string())),
+    }
+}
+
+/// What is said at another place than the parser's, because the mistake is there: at a bracket that is never closed,
+/// which the parser misses at the end of the text, and after a statement whose semicolon it misses a line below.
+pub(super) fn elsewhere(error: &ParseErrorType, pos: Position, text: &str) -> Option<(Diagnostic, Position)> {
+    use ParseErrorType as P;
+    let at = recover::offset(text, pos);
+    let rest = at.and_then(|at| text.get(at..)).unwrap_or_default();
+    match error {
+        P::UnexpectedEOF | P::MissingToken(..) if rest.trim().is_empty() => {
+            let (open, bracket) = recover::left_open(text)?;
+            let d = script(Code::Unclosed, format!("this '{bracket}' is never closed"));
+            Some((d, recover::position(text, open)))
+        }
+        P::MissingToken(token, _) if token == ";" => {
+            let before = text.get(..at?)?;
+            let statement = before.trim_end();
+            let (last, _) = statement.char_indices().next_back()?;
+            let is_above = before.get(statement.len()..)?.contains('\n');
+            let line = statement.rsplit('\n').next()?;
+            if !is_above || line.contains("//") || statement.ends_with("*/") {
+                return None;
+            }
+            let d = script(Code::Syntax, "expected ';' after this statement");
+            Some((d, recover::position(text, last)))
+        }
+        _ => None,
     }
 }
 
 fn not_available(word: &str) -> Diagnostic {
-    script(format!("{word} is not available in scene scripts"))
+    script(
+        Code::NotAvailable,
+        format!("{word} is not available in scene scripts"),
+    )
 }
 
 /// `before` is the line up to the place where `token` should stand.
@@ -94,16 +140,27 @@ fn missing_token(token: &str, why: &str, before: &str) -> Diagnostic {
         why.strip_prefix("to separate the arguments to function call "),
     ) {
         let function = function.trim_matches('\'');
-        return script(format!("expected ',' or ')' after an argument of {function}"));
+        return script(
+            Code::Syntax,
+            format!("expected ',' or ')' after an argument of {function}"),
+        );
     }
-    let d = script(match why {
-        "" => format!("expected '{token}'"),
-        _ => format!("expected '{token}' {why}"),
-    });
+    let code = match token {
+        "}" | ")" | "]" => Code::Unclosed,
+        _ => Code::Syntax,
+    };
+    let d = script(
+        code,
+        match why {
+            "" => format!("expected '{token}'"),
+            _ => format!("expected '{token}' {why}"),
+        },
+    );
     match token {
         "{" if before.trim_end().trim_end_matches('(').ends_with("group") => {
             d.hint("group { ... } holds a block of statements; nothing else can be called group")
         }
+        "{" => d.hint("a block stands in braces: for i in 0..5 { ... }"),
         ";" => d.hint("is a ';' missing before this, or are the brackets of a call?"),
         _ => d,
     }
@@ -113,18 +170,17 @@ fn lex_message(error: &LexError) -> Diagnostic {
     match error {
         LexError::Runtime(message) => Diagnostic::error(ErrorKind::Limit, message),
         LexError::ImproperSymbol(symbol, _) if symbol == "eval" || symbol == "curry" => not_available(symbol),
-        LexError::ImproperSymbol(_, why) if !why.is_empty() => script(uncapitalized(why)),
-        LexError::UnterminatedString => {
-            script("the string is not closed").hint("a string over several lines stands in backticks: `...`")
-        }
+        LexError::ImproperSymbol(_, why) if !why.is_empty() => script(Code::Syntax, uncapitalized(why)),
+        LexError::UnterminatedString => script(Code::Unclosed, "the string is not closed")
+            .hint("a string over several lines stands in backticks: `...`"),
         LexError::UnexpectedInput(what) => {
-            let d = script(format!("unexpected {}", quoted(what)));
+            let d = script(Code::Syntax, format!("unexpected {}", quoted(what)));
             match what.as_str() {
                 "#" => d.hint("comments begin with //"),
                 "." => d.hint("a number begins with a digit: 0.5"),
                 _ => d,
             }
         }
-        other => script(uncapitalized(&other.to_string())),
+        other => script(Code::Syntax, uncapitalized(&other.to_string())),
     }
 }

@@ -193,7 +193,9 @@ fn a_failure_shows_the_place() {
         .note("called from line 20")
         .hint("did you mean sphere?")
         .into();
-    error.warnings.push(Diagnostic::warning("no light"));
+    error
+        .warnings
+        .push(Diagnostic::warning(crate::diag::Code::NoLight, "no light"));
     let card = card_of(Outcome::Failed(Box::new(error)));
     assert_holds(
         &card,

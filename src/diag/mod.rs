@@ -4,6 +4,12 @@
 //! command turns both into text for a terminal. Messages are lower case without a full stop and say what was
 //! expected; hints say what to write instead.
 
+mod code;
+mod near;
+
+pub use code::Code;
+pub use near::nearest_names;
+
 use std::{fmt, sync::Arc};
 
 /// A place in a source file. Lines and columns count from 1; 0 means unknown.
@@ -24,6 +30,17 @@ pub enum Severity {
     Error,
     /// The picture is made, but may not be what was meant.
     Warning,
+}
+
+impl Severity {
+    /// `error` or `warning`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Error => "error",
+            Self::Warning => "warning",
+        }
+    }
 }
 
 /// Whose fault an error is; the command's exit code follows from it.
@@ -52,6 +69,8 @@ pub struct Diagnostic {
     pub severity: Severity,
     /// Whose fault it is.
     pub kind: ErrorKind,
+    /// Which class of errors or warnings it belongs to.
+    pub code: Code,
     /// What is wrong: lower case, no full stop.
     pub message: String,
     /// The file as its reader knows it (never an absolute path made up by the library).
@@ -75,6 +94,7 @@ impl Diagnostic {
         Self {
             severity: Severity::Error,
             kind,
+            code: kind.into(),
             message: message.into(),
             file: None,
             line: 0,
@@ -85,13 +105,28 @@ impl Diagnostic {
         }
     }
 
-    /// A warning without a place yet.
+    /// A warning of the class `code` without a place yet.
     #[must_use]
-    pub fn warning(message: impl Into<String>) -> Self {
+    pub fn warning(code: Code, message: impl Into<String>) -> Self {
         Self {
             severity: Severity::Warning,
+            code,
             ..Self::error(ErrorKind::Script, message)
         }
+    }
+
+    /// Puts it into a class narrower than that of its kind.
+    #[must_use]
+    pub fn class(mut self, code: Code) -> Self {
+        self.code = code;
+        self
+    }
+
+    /// The same as a warning: what would be an error if the run came by.
+    #[must_use]
+    pub fn as_warning(mut self) -> Self {
+        self.severity = Severity::Warning;
+        self
     }
 
     /// Adds the place. `line` and `column` count from 1.
@@ -142,11 +177,7 @@ impl fmt::Display for Diagnostic {
             }
             write!(f, " ")?;
         }
-        let severity = match self.severity {
-            Severity::Error => "error",
-            Severity::Warning => "warning",
-        };
-        write!(f, "{severity}: {}", self.message)?;
+        write!(f, "{}: {}", self.severity.name(), self.message)?;
         for note in &self.notes {
             write!(f, "\n  note: {note}")?;
         }
@@ -157,16 +188,23 @@ impl fmt::Display for Diagnostic {
     }
 }
 
-/// Why a run gave no result: the error, and the warnings that came before it.
+/// Why a run gave no result: the error, what else is wrong, and the warnings that came before it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Error {
     /// What ended the run.
     pub diagnostic: Box<Diagnostic>,
+    /// Further errors that were found in the script without running it, in the order of their places.
+    pub more: Vec<Diagnostic>,
     /// Warnings up to then.
     pub warnings: Vec<Diagnostic>,
 }
 
 impl Error {
+    /// All errors: what ended the run, then what else is wrong.
+    pub fn all(&self) -> impl Iterator<Item = &Diagnostic> {
+        std::iter::once(&*self.diagnostic).chain(&self.more)
+    }
+
     /// Whose fault it is.
     #[must_use]
     pub fn kind(&self) -> ErrorKind {
@@ -178,6 +216,7 @@ impl From<Diagnostic> for Error {
     fn from(diagnostic: Diagnostic) -> Self {
         Self {
             diagnostic: Box::new(diagnostic),
+            more: Vec::new(),
             warnings: Vec::new(),
         }
     }
@@ -185,7 +224,10 @@ impl From<Diagnostic> for Error {
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.diagnostic.fmt(f)
+        self.diagnostic.fmt(f)?;
+        self.more
+            .iter()
+            .try_for_each(|diagnostic| write!(f, "\n{diagnostic}"))
     }
 }
 
@@ -200,79 +242,9 @@ pub struct Report<T> {
     pub warnings: Vec<Diagnostic>,
 }
 
-/// The candidates nearest to a misspelt `name`, best first, at most three; for "did you mean".
-///
-/// Distance is Damerau-Levenshtein on lower-case text without underscores, so that `push_transform` and
-/// `pushtransform` both find `pushTransform`. Names of more than 256 bytes are near to nothing.
-#[must_use]
-pub fn nearest_names<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
-    let fold = |s: &str| {
-        s.chars()
-            .filter(|c| *c != '_')
-            .flat_map(char::to_lowercase)
-            .collect::<Vec<_>>()
-    };
-    // Names come from files too, and the table of distances is as large as the product of both lengths.
-    if name.len() > 256 {
-        return Vec::new();
-    }
-    let wanted = fold(name);
-    let bound = (wanted.len() / 3).max(1);
-    let mut found: Vec<(usize, &str)> = candidates
-        .into_iter()
-        .filter(|candidate| candidate.len() <= 256)
-        .map(|candidate| (edit_distance(&wanted, &fold(candidate)), candidate))
-        .filter(|(distance, _)| *distance <= bound)
-        .collect();
-    found.sort_unstable();
-    found.dedup();
-    found
-        .into_iter()
-        .take(3)
-        .map(|(_, candidate)| candidate)
-        .collect()
-}
-
-/// Number of insertions, deletions, replacements and swaps of neighbours between two words (Damerau, 1964).
-fn edit_distance(a: &[char], b: &[char]) -> usize {
-    let width = b.len() + 1;
-    let mut table = vec![0; (a.len() + 1) * width];
-    for i in 0..=a.len() {
-        for j in 0..=b.len() {
-            table[i * width + j] = if i == 0 || j == 0 {
-                i + j
-            } else {
-                let replaced = table[(i - 1) * width + j - 1] + usize::from(a[i - 1] != b[j - 1]);
-                let mut best = replaced
-                    .min(table[(i - 1) * width + j] + 1)
-                    .min(table[i * width + j - 1] + 1);
-                if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                    best = best.min(table[(i - 2) * width + j - 2] + 1);
-                }
-                best
-            };
-        }
-    }
-    table[table.len() - 1]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn nearest_names_see_through_case_and_underscores() {
-        let names = ["pushTransform", "popTransform", "sphere", "scale", "diffuse"];
-        assert_eq!(
-            nearest_names("push_transform", names),
-            ["pushTransform", "popTransform"]
-        );
-        assert_eq!(nearest_names("shpere", names), ["sphere"]);
-        assert_eq!(nearest_names("difuse", names), ["diffuse"]);
-        assert!(nearest_names("quaternion", names).is_empty());
-        let long = "x".repeat(1 << 20);
-        assert!(nearest_names(&long, [long.as_str()]).is_empty());
-    }
 
     #[test]
     fn a_diagnostic_reads_like_a_compilers() {

@@ -1,0 +1,94 @@
+//! What looks wrong with a scene, found by looking at it as the renderer does: before a render, after one that shows
+//! nothing, and more closely where somebody asks.
+
+mod dark;
+mod enclosed;
+mod look;
+#[cfg(test)]
+mod tests;
+mod view;
+
+use super::{film::Image, world::World};
+use crate::{
+    diag::{Code, Diagnostic, Error, SourceLoc},
+    host::Host,
+    scene::{Geometry, Object, Scene},
+};
+
+/// What looks wrong with a scene, with the places of the calls that made it: as a render finds before and after it traces,
+/// and by a coarse look through the camera also faces that lie in one plane, and lines whose shapes no ray meets. Less
+/// work than a render of 160 x 120 pixels with one sample.
+///
+/// # Errors
+/// `Cancelled` where the host asks to stop, `Limit` where instancing multiplies past 2^62 primitives.
+pub fn inspect(scene: &Scene, host: &dyn Host) -> Result<Vec<Diagnostic>, Error> {
+    let world = World::compile(scene)?;
+    let mut warnings = before(&world);
+    let mut seen = look::look(&world, host)?;
+    let has = |codes: &[Code]| warnings.iter().any(|d| codes.contains(&d.code));
+    let are_told = [
+        (Code::UnseenShape, has(&[Code::OutOfView])),
+        (
+            Code::Unlit,
+            has(&[Code::OutOfView, Code::CameraInside, Code::LightInside]),
+        ),
+    ];
+    seen.retain(|d| !are_told.contains(&(d.code, true)));
+    warnings.extend(seen);
+    Ok(warnings)
+}
+
+/// What can be told before a ray of the picture is traced, at the cost of a few rays for each light.
+pub(super) fn before(world: &World<'_>) -> Vec<Diagnostic> {
+    if world.scene.root().objects.is_empty() {
+        return Vec::new();
+    }
+    let mut warnings: Vec<Diagnostic> = view::out_of_view(world).into_iter().collect();
+    warnings.extend(enclosed::warnings(world));
+    warnings
+}
+
+/// Why a finished picture shows nothing, where it does and none of the warnings before says why.
+pub(super) fn after(world: &World<'_>, image: &Image, before: &[Diagnostic]) -> Option<Diagnostic> {
+    let scene = world.scene;
+    let is_explained = before.iter().any(|d| {
+        matches!(
+            d.code,
+            Code::OutOfView | Code::CameraInside | Code::LightInside | Code::NoLight
+        )
+    });
+    if is_explained || scene.root().objects.is_empty() {
+        return None;
+    }
+    let first = image.pixels().first()?;
+    if !image.pixels().iter().all(|pixel| pixel == first) && image.rgb8().iter().any(|v| *v > 0) {
+        return None;
+    }
+    dark::why(world, image)
+}
+
+/// The thing with its line, for a sentence: `the sphere of line 3`.
+fn called(scene: &Scene, object: &Object) -> String {
+    let what = match &object.geometry {
+        Geometry::Shape(shape) => shape.name(),
+        Geometry::Triangle(_) => "triangle",
+        Geometry::Mesh(_) => "mesh",
+        Geometry::Instance(_) => "instance",
+    };
+    match object.loc {
+        SourceLoc { line: 0, .. } => format!("the {what}"),
+        SourceLoc { line, file: 0, .. } => format!("the {what} of line {line}"),
+        loc => {
+            let file = scene.files.get(usize::from(loc.file)).map_or("", String::as_str);
+            format!("the {what} of {file}:{}", loc.line)
+        }
+    }
+}
+
+/// Puts a diagnostic where something was made.
+fn placed(scene: &Scene, diagnostic: Diagnostic, loc: SourceLoc) -> Diagnostic {
+    match scene.files.get(usize::from(loc.file)) {
+        Some(file) if loc.line > 0 => diagnostic.at(file, loc.line, u32::from(loc.column)),
+        _ => diagnostic,
+    }
+}
