@@ -108,6 +108,7 @@ fn load_course(name: &str, text: &str, limits: &Limits, options: &RunOptions) ->
         Ok(())
     };
     if let Err(mut error) = build() {
+        error.more = import::further_course_errors(name, text, error.diagnostic.line);
         error.warnings.extend(builder.take_warnings());
         return Err(error);
     }

@@ -23,9 +23,9 @@ use crate::{
     limits::Limits,
     output::{self, Format},
     recipe::Recipe,
-    render::{Image, render},
+    render::{Image, render, unanswered},
     script::{Picture, RunOptions},
-    source,
+    source::{self, SourceKind},
 };
 
 /// Where the picture of a scene goes.
@@ -134,6 +134,10 @@ impl Job {
         host.clear_progress();
         let script = running.elapsed();
         host.show(&run.warnings);
+
+        if SourceKind::from_name(self.input.name()) == SourceKind::Script {
+            host.show(unanswered(&run.value.scene).as_slice());
+        }
 
         let mut pictures = run.value.pictures;
         let named = pictures.iter().any(|picture| picture.name.is_some());

@@ -3,7 +3,7 @@
 use super::text::{Source, number, quoted, whole, words};
 use crate::{
     color::Color,
-    diag::{Diagnostic, nearest_names},
+    diag::{Code, Diagnostic, nearest_names},
     math::DVec3,
     scene::Attenuation,
 };
@@ -150,7 +150,9 @@ impl<'a> Command<'a> {
 }
 
 fn unknown(source: &Source<'_>, name: &str) -> Diagnostic {
-    let error = source.error(name, format!("unknown command {}", quoted(name)));
+    let error = source
+        .error(name, format!("unknown command {}", quoted(name)))
+        .class(Code::UnknownFunction);
     let names = COMMANDS.map(|(name, _)| name);
     match nearest_names(name, names).first() {
         Some(near) => error.hint(format!("did you mean '{near}'?")),
@@ -164,7 +166,9 @@ fn wrong_count(source: &Source<'_>, at: &str, (name, usage): (&str, &str), given
         1 => format!("1 value ({usage})"),
         n => format!("{n} values ({usage})"),
     };
-    let error = source.error(at, format!("{name} takes {takes}, not {given}"));
+    let error = source
+        .error(at, format!("{name} takes {takes}, not {given}"))
+        .class(Code::ArgumentCount);
     error.hint(format!("write: {}", format!("{name} {usage}").trim_end()))
 }
 
@@ -184,7 +188,7 @@ impl<'a> Values<'_, 'a> {
 
     fn read<T>(&mut self, read: impl Fn(&str) -> Result<T, String>) -> Result<T, Diagnostic> {
         let word = self.word();
-        read(word).map_err(|message| self.source.error(word, message))
+        read(word).map_err(|message| self.source.error(word, message).class(Code::ArgumentType))
     }
 
     fn number(&mut self) -> Result<f64, Diagnostic> {

@@ -45,6 +45,19 @@ pub fn load_course(name: &str, source: &str, builder: &mut Builder) -> Result<Co
     Ok(loader.course)
 }
 
+/// Commands after line `last` that cannot be read, at most nine: what else is wrong with a file whose first error is
+/// there.
+#[must_use]
+pub fn further_errors(name: &str, source: &str, last: u32) -> Vec<Diagnostic> {
+    const MOST: usize = 9;
+    let source = Source::new(name, source, ErrorKind::Input);
+    lines(source.text)
+        .skip(last as usize)
+        .filter_map(|line| Command::parse(&source, line).err())
+        .take(MOST)
+        .collect()
+}
+
 struct Loader<'a, 'b> {
     file: u16,
     source: Source<'a>,

@@ -25,5 +25,5 @@ mod wavefront;
 pub use arrays::mesh_from_arrays;
 pub use assets::{AssetCache, Assets};
 pub use convert::script_from_course;
-pub use course::{Course, load_course};
+pub use course::{Course, further_errors as further_course_errors, load_course};
 pub use obj::{load_obj, load_obj_shape};

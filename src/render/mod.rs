@@ -14,6 +14,8 @@ mod world;
 
 pub use film::{Image, quantize};
 pub use inspect::inspect;
+#[cfg(feature = "cli")]
+pub(crate) use inspect::unanswered;
 pub use observe::RayKind;
 pub use world::{RayHit, World};
 

@@ -21,22 +21,6 @@ pub(super) fn warnings(scene: &Scene) -> Vec<Diagnostic> {
         ));
         return warnings;
     }
-    let answers_light = |m: &super::Material| {
-        !m.diffuse.is_black()
-            || !m.specular.is_black()
-            || m.reflection.is_some()
-            || !m.transmission.is_black()
-    };
-    let is_lit = scene.root().lights.iter().any(|light| light.color != Color::ZERO);
-    if is_lit && !used_materials(scene).any(answers_light) {
-        warnings.push(
-            Diagnostic::warning(
-                Code::Unlit,
-                "no material answers the light: diffuse and specular are black, as they are at the start",
-            )
-            .hint("write diffuse(0.8, 0.8, 0.8) before the shapes"),
-        );
-    }
     let glows = |term: &Term| !term.is_black();
     let lit_by_itself = scene.settings.background != Color::ZERO
         || used_materials(scene).any(|m| glows(&m.ambient) || glows(&m.emission));

@@ -85,9 +85,11 @@ pub(super) fn unreached(ast: &AST, ran: &Lines, file: &str, context: &Context<'_
 
 /// Where scene functions are called, in order.
 pub(super) fn scene_calls(ast: &AST) -> BTreeSet<Position> {
+    let names = Names::of(Some(ast));
     let mut places = BTreeSet::new();
     each_call(ast, |call, position| {
-        if entry(&call.name).is_some_and(|entry| matches!(entry.run, Run::Scene(_))) {
+        let is_scene = entry(&call.name).is_some_and(|entry| matches!(entry.run, Run::Scene(_)));
+        if is_scene && call.namespace.is_empty() && !names.has_own(&call.name, call.args.len()) {
             places.insert(position);
         }
     });

@@ -116,8 +116,7 @@ impl Names {
 
     /// What is wrong with any call of `name` with this many arguments, whatever they are; `None` where it may be right.
     pub(super) fn wrong_call(&self, name: &str, given: usize) -> Option<Diagnostic> {
-        let own = self.own.get(name);
-        if own.is_some_and(|forms| forms.iter().any(|form| form.len() == given)) {
+        if self.has_own(name, given) {
             return None;
         }
         if let Some(entry) = entry(name) {
@@ -129,11 +128,17 @@ impl Names {
                 d
             });
         }
-        match own {
+        match self.own.get(name) {
             _ if BUILTINS.contains(name) => None,
             Some(forms) => Some(own_wrong_count(name, forms, given)),
             None => Some(self.no_such_function(name)),
         }
+    }
+
+    /// Whether the script has such a function itself.
+    pub(super) fn has_own(&self, name: &str, given: usize) -> bool {
+        let forms = self.own.get(name);
+        forms.is_some_and(|forms| forms.iter().any(|form| form.len() == given))
     }
 
     fn no_such_function(&self, name: &str) -> Diagnostic {
@@ -219,7 +224,9 @@ static BUILTINS: LazyLock<BTreeSet<String>> = LazyLock::new(|| {
 });
 
 /// Functions that Rhai knows without a definition.
-const OF_THE_PARSER: [&str; 9] = [
+const OF_THE_PARSER: [&str; 10] = [
+    // What a closure over a variable becomes.
+    "curry",
     "print",
     "debug",
     "type_of",

@@ -45,7 +45,7 @@ fn check_says_what_scenes_hold_and_writes_nothing() {
     let ran = folder.ok(&["check", "scene.rhai", "nothing.rhai"]);
     assert!(
         ran.stderr
-            .contains("scene.rhai: ok, 1 objects, 1 lights, 1 materials"),
+            .contains("scene.rhai: ok, 1 object, 1 light, 1 material"),
         "{}",
         ran.stderr
     );

@@ -60,12 +60,13 @@ pub(super) fn why(world: &World<'_>, image: &Image) -> Option<Diagnostic> {
         return None;
     }
     let brightest = image.pixels().iter().flatten().fold(0.0, |a: f64, b| a.max(*b));
-    cause(world, &met, brightest)
+    cause(world, &met, Some(brightest))
 }
 
 /// What keeps the light from the points that rays met; `None` where there is no light, which the scene itself is
-/// warned of. `brightest` is the largest value of a pixel.
-pub(super) fn cause(world: &World<'_>, met: &[(Hit, Ray)], brightest: f64) -> Option<Diagnostic> {
+/// warned of. `brightest` is the largest value of a pixel, where the
+/// picture is there.
+pub(super) fn cause(world: &World<'_>, met: &[(Hit, Ray)], brightest: Option<f64>) -> Option<Diagnostic> {
     let mut causes = Causes::default();
     for (hit, ray) in met {
         if let Some(at) = world.surface(hit, ray) {
@@ -117,7 +118,7 @@ impl<'s> Causes<'s> {
     }
 
     /// The cause that counts most, in a sentence.
-    fn told(&self, world: &World<'_>, brightest: f64) -> Option<Diagnostic> {
+    fn told(&self, world: &World<'_>, brightest: Option<f64>) -> Option<Diagnostic> {
         let scene = world.scene;
         let black = |why: String| Diagnostic::warning(Code::Unlit, format!("no light is to be seen: {why}"));
         let lights = if scene.root().lights.len() == 1 {
@@ -135,9 +136,12 @@ impl<'s> Causes<'s> {
                 let d = black(format!("{what} stands between {lights} and what is in view"));
                 placed(scene, d, object.loc).hint("move the light or what stands in its way")
             }
-            _ if most == self.weak => black(format!(
-                "the light that arrives is too weak; the brightest pixel has a value of {brightest:.1e}, where white has 1"
-            ))
+            _ if most == self.weak => black(match brightest {
+                Some(brightest) => format!(
+                    "the light that arrives is too weak; the brightest pixel has a value of {brightest:.1e}, where white has 1"
+                ),
+                None => "the light that arrives is too weak".to_owned(),
+            })
             .hint("make the light's color larger, or its attenuation smaller: a light of color [1, 1, 1] at distance d is divided by attenuation's c + l d + q d^2"),
             _ if most == self.away => black(format!("all that is in view is turned away from {lights}"))
                 .hint("put the light on the side of the camera"),

@@ -110,7 +110,7 @@ pub(super) fn look(world: &World<'_>, host: &dyn Host) -> Result<Vec<Diagnostic>
             .step_by(1 + all.first.len() / ASKED)
             .copied()
             .collect();
-        warnings.extend(dark::cause(world, &sparse, 0.0));
+        warnings.extend(dark::cause(world, &sparse, None));
     }
     warnings.extend(invalid_samples(all.invalid));
     warnings.extend(coincident(world, &all));

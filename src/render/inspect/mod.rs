@@ -10,9 +10,10 @@ mod view;
 
 use super::{film::Image, world::World};
 use crate::{
+    color::Color,
     diag::{Code, Diagnostic, Error, SourceLoc},
     host::Host,
-    scene::{Geometry, Object, Scene},
+    scene::{Geometry, Material, Object, Scene},
 };
 
 /// What looks wrong with a scene, with the places of the calls that made it: as a render finds before and after it traces,
@@ -65,6 +66,26 @@ pub(super) fn after(world: &World<'_>, image: &Image, before: &[Diagnostic]) -> 
         return None;
     }
     dark::why(world, image)
+}
+
+/// A warning where there is light and no material that answers it: at the start, diffuse and specular are black. A scene
+/// may want that, so only who looks at a picture for the first time is to be told.
+#[cfg(feature = "cli")]
+pub(crate) fn unanswered(scene: &Scene) -> Option<Diagnostic> {
+    let is_lit = scene.root().lights.iter().any(|light| light.color != Color::ZERO);
+    let answers = |m: &Material| {
+        !m.diffuse.is_black() || !m.specular.is_black() || m.reflection.is_some() || !m.is_opaque()
+    };
+    if !is_lit || scene.root().objects.is_empty() || scene.materials.iter().any(answers) {
+        return None;
+    }
+    Some(
+        Diagnostic::warning(
+            Code::Unlit,
+            "no material answers the light: diffuse and specular are black, as they are at the start",
+        )
+        .hint("write diffuse(0.8, 0.8, 0.8) before the shapes"),
+    )
 }
 
 /// The thing with its line, for a sentence: `the sphere of line 3`.

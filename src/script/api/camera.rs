@@ -136,8 +136,9 @@ fn camera(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     call.end()?;
     const ORDER: &str = "the order is camera(from, at, up, fovy): are the second and the third exchanged?";
     // Directions that people take for up, where the other is no direction at all.
-    let is_up = [DVec3::Y, DVec3::Z].contains(&at.abs());
-    let are_exchanged = is_up && !(0.9..1.1).contains(&up.length());
+    let is_up = [DVec3::Y, DVec3::Z].contains(&at);
+    let may_be_up = |v: DVec3| v.to_array().iter().all(|x| [-1.0, 0.0, 1.0].contains(x)) && v != DVec3::ZERO;
+    let are_exchanged = is_up && !may_be_up(up) && !(0.9..1.1).contains(&up.length());
     let camera = Camera::new(eye, at, up, fovy).map_err(|e| if are_exchanged { e.hint(ORDER) } else { e })?;
     if are_exchanged {
         let (at, up) = (brief(at), brief(up));

@@ -177,6 +177,7 @@ fn lex_message(error: &LexError) -> Diagnostic {
             let d = script(Code::Syntax, format!("unexpected {}", quoted(what)));
             match what.as_str() {
                 "#" => d.hint("comments begin with //"),
+                "}" => d.hint("no '{' before it is left to be closed"),
                 "." => d.hint("a number begins with a digit: 0.5"),
                 _ => d,
             }
