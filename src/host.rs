@@ -82,6 +82,12 @@ pub trait Host: Send + Sync {
         let _ = progress;
     }
 
+    /// Receives a smaller picture with fewer samples of what is being rendered, where
+    /// [`RenderOptions::coarse`](crate::RenderOptions::coarse) asks for it.
+    fn coarse(&self, image: &Image) {
+        let _ = image;
+    }
+
     /// Receives a picture that the script rendered under a name of its own: `render("name.png")`.
     ///
     /// # Errors

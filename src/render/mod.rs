@@ -1,5 +1,6 @@
 //! From a [`Scene`] to an [`Image`].
 
+mod coarse;
 pub mod explain;
 mod film;
 mod inspect;
@@ -17,7 +18,7 @@ pub use inspect::inspect;
 #[cfg(feature = "cli")]
 pub(crate) use inspect::unanswered;
 pub use observe::RayKind;
-pub use world::{RayHit, World};
+pub use world::{KeptTrees, RayHit, World};
 
 use std::time::Duration;
 
@@ -45,6 +46,12 @@ pub struct RenderOptions {
     /// Takes the tiles in an order drawn from this number, with threads that give way to others at random; for tests
     /// that compare.
     pub shuffle: Option<u64>,
+    /// Before the picture is traced, hands coarse ones to [`Host::coarse`]: of every eighth pixel, then of every second,
+    /// with one sample each. The picture itself is the same.
+    pub coarse: bool,
+    /// Acceleration structures kept from one render to the next, for renders of nearly the same scene; the picture is
+    /// the same with and without.
+    pub trees: Option<KeptTrees>,
 }
 
 /// How far a render is.
@@ -149,13 +156,24 @@ fn by_rows<T: Send>(
 /// Renders on the threads of the current pool.
 fn render_here(scene: &Scene, options: &RenderOptions, host: &dyn Host) -> Result<Report<Rendered>, Error> {
     let compiling = Stopwatch::start();
-    let mut world = World::compile(scene)?;
+    let mut world = match &options.trees {
+        Some(trees) => trees.compile(scene)?,
+        None => World::compile(scene)?,
+    };
     world.packets = !options.single_rays;
     let compile = compiling.elapsed();
     let mut warnings = inspect::before(&world);
     warnings.iter().for_each(|warning| host.warn(warning));
     let tracing = Stopwatch::start();
-    let Some((image, counts)) = tiles::trace(&world, options, host) else {
+    let traced = match options.coarse && coarse::show(&world, options, host).is_none() {
+        true => None,
+        false => tiles::trace(&world, &scene.settings, options, host),
+    };
+    let (primitives, world_bytes) = (world.primitives(), world.bytes());
+    if let Some(trees) = &options.trees {
+        trees.take_back(world);
+    }
+    let Some((image, counts)) = traced else {
         return Err(Diagnostic::error(ErrorKind::Cancelled, "the render was stopped").into());
     };
     let stats = RenderStats {
@@ -164,8 +182,8 @@ fn render_here(scene: &Scene, options: &RenderOptions, host: &dyn Host) -> Resul
         reflected_rays: counts.reflected,
         refracted_rays: counts.refracted,
         invalid_samples: counts.invalid,
-        primitives: world.primitives(),
-        world_bytes: world.bytes(),
+        primitives,
+        world_bytes,
         compile,
         trace: tracing.elapsed(),
     };

@@ -29,9 +29,14 @@ const TILE: u32 = 16;
 /// Largest edge of a tile that the options may ask for.
 const MOST_TILE: u32 = 1024;
 
-/// Traces every pixel. `None` where the host asked to stop.
-pub(super) fn trace(world: &World<'_>, options: &RenderOptions, host: &dyn Host) -> Option<(Image, Counts)> {
-    let s = &world.scene.settings;
+/// Traces every pixel of a picture of this size and with so many samples, whatever the scene's own settings say of
+/// those. `None` where the host asked to stop.
+pub(super) fn trace(
+    world: &World<'_>,
+    s: &Settings,
+    options: &RenderOptions,
+    host: &dyn Host,
+) -> Option<(Image, Counts)> {
     let total = u64::from(s.width) * u64::from(s.height);
     let frame = world.scene.camera.frame(s.width, s.height);
     let (done, rays, interrupt) = (AtomicU64::new(0), AtomicU64::new(0), Interrupt::new(host));
@@ -63,6 +68,7 @@ pub(super) fn trace(world: &World<'_>, options: &RenderOptions, host: &dyn Host)
             for square in squares((columns, rows), s.samples) {
                 Square {
                     world,
+                    settings: s,
                     frame: &frame,
                     interrupt: &interrupt,
                     at: (x0 + square.left, y0 + square.top),
@@ -175,6 +181,7 @@ fn squares((columns, rows): (u32, u32), samples: u32) -> impl Iterator<Item = Pa
 /// Pixels whose camera rays are traced together.
 struct Square<'a> {
     world: &'a World<'a>,
+    settings: &'a Settings,
     frame: &'a CameraFrame,
     interrupt: &'a Interrupt<'a>,
     /// The pixel in its upper left corner.
@@ -186,7 +193,7 @@ struct Square<'a> {
 impl Square<'_> {
     /// Calls `visit` with each pixel's place, counted row by row, and the mean of its samples, summed in order.
     fn trace(&self, stack: &mut Stack, counts: &mut Counts, mut visit: impl FnMut(u32, Color)) {
-        let samples = self.world.scene.settings.samples;
+        let samples = self.settings.samples;
         let pixels = self.size.0 * self.size.1;
         let mut sums = [Color::ZERO; PACKET];
         let at_once = (PACKET as u32 / pixels.max(1)).max(1);
@@ -222,7 +229,7 @@ impl Square<'_> {
     /// The camera ray of a pixel's sample.
     fn shot(&self, pixel: u32, index: u32) -> (Probe, Sampler) {
         let place = (self.at.0 + pixel % self.size.0, self.at.1 + pixel / self.size.0);
-        shot(&self.world.scene.settings, self.frame, place, index)
+        shot(self.settings, self.frame, place, index)
     }
 }
 

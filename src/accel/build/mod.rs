@@ -83,9 +83,19 @@ impl Primitive {
         }
     }
 
+    /// Its index.
     #[inline(always)]
-    fn index(&self) -> u32 {
+    #[must_use]
+    pub fn index(&self) -> u32 {
         self.min[3].to_bits() ^ Self::INDEX
+    }
+
+    /// All that the builder knows of it, as bits: of two that have the same, either will do.
+    #[must_use]
+    pub fn bits(&self) -> [u32; 8] {
+        let [a, b, c, d] = self.min.map(f32::to_bits);
+        let [e, f, g, h] = self.max.map(f32::to_bits);
+        [a, b, c, d, e, f, g, h]
     }
 
     #[inline(always)]

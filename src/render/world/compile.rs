@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::{
     World,
+    kept::{KeptTrees, Key},
     level::{Instance, Level, PlacedShape, PlacedSphere, Primitive, TriangleRun, TriangleSource},
 };
 use crate::{
@@ -37,6 +38,15 @@ impl<'s> World<'s> {
 
     /// Compiles with at most so many cuts for each triangle, which changes no result.
     pub(super) fn compile_cutting(scene: &'s Scene, cuts: f64) -> Result<Self, Error> {
+        Self::compile_keeping(scene, cuts, None)
+    }
+
+    /// As [`World::compile`], with the trees that are there already.
+    pub(super) fn compile_with(scene: &'s Scene, trees: &KeptTrees) -> Result<Self, Error> {
+        Self::compile_keeping(scene, CUTS, Some(trees))
+    }
+
+    fn compile_keeping(scene: &'s Scene, cuts: f64, trees: Option<&KeptTrees>) -> Result<Self, Error> {
         let mut compiler = Compiler {
             scene,
             levels: Vec::new(),
@@ -45,6 +55,8 @@ impl<'s> World<'s> {
             of_mesh: HashMap::new(),
             mesh_uses: mesh_uses(scene),
             cuts,
+            trees,
+            keys: Vec::new(),
         };
         for id in groups_inside_out(scene) {
             let level = compiler.group(id)?;
@@ -53,6 +65,7 @@ impl<'s> World<'s> {
         Ok(World {
             scene,
             levels: compiler.levels,
+            keys: compiler.keys,
             packets: true,
             uv_everywhere: false,
         })
@@ -78,7 +91,7 @@ fn mesh_uses(scene: &Scene) -> Vec<u32> {
     uses
 }
 
-struct Compiler<'s> {
+struct Compiler<'s, 'k> {
     scene: &'s Scene,
     levels: Vec<Level<'s>>,
     /// Nesting below each level.
@@ -88,9 +101,12 @@ struct Compiler<'s> {
     mesh_uses: Vec<u32>,
     /// Most triangles that may be cut in two, for each that there is.
     cuts: f64,
+    /// Trees of earlier compilations, if those are kept, and what the trees of this one are made from.
+    trees: Option<&'k KeptTrees>,
+    keys: Vec<Key>,
 }
 
-impl<'s> Compiler<'s> {
+impl<'s> Compiler<'s, '_> {
     /// Compiles one group whose inner groups are compiled.
     fn group(&mut self, id: GroupId) -> Result<u32, Error> {
         let scene = self.scene;
@@ -225,42 +241,15 @@ impl<'s> Compiler<'s> {
             level.unbounded = (0..primitives.len() as u32).filter(everywhere).collect();
             primitives.retain(|primitive| primitive.bounds() != Box32::EVERYTHING);
         }
-        let (bvh, leaves) = Bvh::build(primitives, kinds, self.cuts, |index| level.corners(index));
-        level.bvh = bvh;
-        level.triangle_blocks = leaves
-            .triangles
-            .into_par_iter()
-            .with_min_len(PIECE)
-            .map(|indices| {
-                let mut block = Triangles::EMPTY;
-                for (lane, index) in indices
-                    .into_iter()
-                    .enumerate()
-                    .filter(|(_, index)| *index != NONE)
-                {
-                    block.set(lane, index, level.corners(index));
-                }
-                block
-            })
-            .collect();
-        level.sphere_blocks = leaves
-            .spheres
-            .into_par_iter()
-            .with_min_len(PIECE)
-            .map(|indices| {
-                let mut block = Spheres::EMPTY;
-                for (lane, index) in indices
-                    .into_iter()
-                    .enumerate()
-                    .filter(|(_, index)| *index != NONE)
-                {
-                    let index = index - kinds.triangles as u32;
-                    let sphere = &level.spheres[index as usize];
-                    block.set(lane, index, sphere.center, sphere.radius);
-                }
-                block
-            })
-            .collect();
+        if let Some(trees) = self.trees {
+            let key = Key::of(&level, &primitives);
+            self.keys.push(key);
+            if !trees.lend(&key, &mut level) {
+                build_tree(&mut level, primitives, kinds, self.cuts);
+            }
+        } else {
+            build_tree(&mut level, primitives, kinds, self.cuts);
+        }
         self.levels.push(level);
         self.depths.push(depth);
         Ok(self.levels.len() as u32 - 1)
@@ -343,6 +332,46 @@ impl<'s> Compiler<'s> {
             }
         }
     }
+}
+
+/// Builds the tree over all primitives that have bounds, and fills its leaves.
+fn build_tree(level: &mut Level<'_>, primitives: Vec<accel::Primitive>, kinds: Kinds, cuts: f64) {
+    let (bvh, leaves) = Bvh::build(primitives, kinds, cuts, |index| level.corners(index));
+    level.bvh = bvh;
+    level.triangle_blocks = leaves
+        .triangles
+        .into_par_iter()
+        .with_min_len(PIECE)
+        .map(|indices| {
+            let mut block = Triangles::EMPTY;
+            for (lane, index) in indices
+                .into_iter()
+                .enumerate()
+                .filter(|(_, index)| *index != NONE)
+            {
+                block.set(lane, index, level.corners(index));
+            }
+            block
+        })
+        .collect();
+    level.sphere_blocks = leaves
+        .spheres
+        .into_par_iter()
+        .with_min_len(PIECE)
+        .map(|indices| {
+            let mut block = Spheres::EMPTY;
+            for (lane, index) in indices
+                .into_iter()
+                .enumerate()
+                .filter(|(_, index)| *index != NONE)
+            {
+                let index = index - kinds.triangles as u32;
+                let sphere = &level.spheres[index as usize];
+                block.set(lane, index, sphere.center, sphere.radius);
+            }
+            block
+        })
+        .collect();
 }
 
 /// The groups that are seen: those the root places, directly or not, inner ones first, and last the root.

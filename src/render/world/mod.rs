@@ -7,6 +7,7 @@
 
 mod compile;
 mod exact;
+mod kept;
 mod level;
 mod origin;
 mod packet;
@@ -22,6 +23,7 @@ mod touched;
 mod trace;
 
 pub(crate) use crate::accel::PACKET;
+pub use kept::KeptTrees;
 pub(crate) use query::{Blocker, Hit, Probe};
 pub(crate) use shaft::FewObstacles;
 pub(crate) use surface::SurfacePoint;
@@ -52,6 +54,8 @@ pub struct World<'s> {
     pub(crate) scene: &'s Scene,
     /// Levels; a level comes before the levels that place it, so the last is the root.
     levels: Vec<Level<'s>>,
+    /// What the tree of each level is made from; empty where nothing is kept.
+    keys: Vec<kept::Key>,
     /// Rays that go together are traced in packets; off for tests that compare.
     pub(crate) packets: bool,
     /// Texture coordinates are wanted of every surface, also where no texture asks for them.
