@@ -18,14 +18,13 @@ use crate::{
 /// Corners between two questions whether to stop.
 const CORNERS_PER_QUESTION: usize = 1 << 14;
 
-/// The mesh of a checked file; `materials` are those of its `usemtl` names.
+/// The mesh of a checked file, its materials being places among the names that `usemtl` gives.
 ///
 /// # Errors
 /// Where no face has an area, or where the host asks to stop.
 pub(super) fn mesh<'a>(
     source: &Source<'a>,
     checked: Checked<'a>,
-    materials: &[MaterialId],
     assets: &Assets<'_>,
     builder: &mut Builder,
 ) -> Result<Mesh, Diagnostic> {
@@ -63,9 +62,7 @@ pub(super) fn mesh<'a>(
         if triangles.found.len() == before {
             degenerate.add(face.at);
         }
-        let material = face
-            .material
-            .and_then(|slot| materials.get(slot as usize).copied());
+        let material = face.material.map(MaterialId);
         face_materials.resize(triangles.found.len(), material.unwrap_or(MaterialId::INHERIT));
     }
     degenerate.warn(

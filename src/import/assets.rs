@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, fmt, sync::Arc};
 
-use super::{text::quoted, texture};
+use super::{kept::KeptAssets, text::quoted, texture};
 use crate::{
     diag::{Diagnostic, ErrorKind},
     host::Host,
@@ -22,9 +22,19 @@ pub struct AssetCache {
     meshes: BTreeMap<(String, Option<[u64; 3]>), Arc<Mesh>>,
     files: usize,
     bytes: u64,
+    kept: Option<KeptAssets>,
 }
 
 impl AssetCache {
+    /// An empty cache that makes use of what earlier runs kept, and keeps what it decodes for later ones.
+    #[must_use]
+    pub fn keeping(kept: Option<KeptAssets>) -> Self {
+        Self {
+            kept,
+            ..Self::default()
+        }
+    }
+
     /// Files asked for so far; a file that was in the cache counts once.
     #[must_use]
     pub fn files(&self) -> usize {
@@ -107,9 +117,26 @@ impl<'a> Assets<'a> {
             return Ok(Arc::clone(texture));
         }
         let bytes = self.read(path)?;
-        let texture = Arc::new(Texture::Image(texture::decode(path, &bytes, self.limits)?));
+        let known = self
+            .kept()
+            .and_then(|kept| kept.texture(path, &bytes, self.limits));
+        let texture = match known {
+            Some(texture) => texture,
+            None => {
+                let texture = Arc::new(Texture::Image(texture::decode(path, &bytes, self.limits)?));
+                if let Some(kept) = self.kept() {
+                    kept.keep_texture(path, bytes, self.limits, &texture);
+                }
+                texture
+            }
+        };
         self.cache.textures.insert(key, Arc::clone(&texture));
         Ok(texture)
+    }
+
+    /// What earlier runs kept.
+    pub(super) fn kept(&self) -> Option<&KeptAssets> {
+        self.cache.kept.as_ref()
     }
 
     /// The mesh read from `path` before under that ambient light.

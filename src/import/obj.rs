@@ -1,11 +1,12 @@
 //! Wavefront OBJ meshes with their materials.
 
-use std::{borrow::Cow, sync::Arc};
+use std::{borrow::Cow, ops::Range, sync::Arc};
 
 use super::{
     assembly,
     assets::Assets,
     guard::{self, Checked, Ignored},
+    kept::{Obj, OwnedNames},
     look,
     mtl::{self, Library},
     text::{Source, counted, quoted},
@@ -60,24 +61,155 @@ fn load(
         return Ok(mesh);
     }
     let bytes = assets.read(path)?;
-    let text = wavefront::text(path, &bytes)?;
+    let known = assets
+        .kept()
+        .and_then(|kept| kept.obj(path, with_materials, &bytes, assets.limits()));
+    let mesh = match known {
+        Some(known) => mesh_again(path, &known, &bytes, assets, builder)?,
+        None => {
+            let (mesh, obj) = first_mesh(path, with_materials, &bytes, assets, builder)?;
+            if let (Some(obj), Some(kept)) = (obj, assets.kept()) {
+                kept.keep_obj(path, bytes, assets.limits(), obj);
+            }
+            mesh
+        }
+    };
+    assets.keep_mesh(path, light, &mesh);
+    Ok(mesh)
+}
+
+/// The mesh of a file that was not seen before, and what later runs need of the file, where any are to come.
+fn first_mesh(
+    path: &str,
+    with_materials: bool,
+    bytes: &[u8],
+    assets: &mut Assets<'_>,
+    builder: &mut Builder,
+) -> Result<(Arc<Mesh>, Option<Obj>), Diagnostic> {
+    let text = wavefront::text(path, bytes)?;
     let source = Source::new(path, &text, ErrorKind::Input);
     let mut checked = guard::check(&source, assets.limits().primitives)?;
     if checked.faces.is_empty() {
         let error = Diagnostic::error(ErrorKind::Input, "the file has no faces").at(path, 0, 0);
         return Err(error.hint("a mesh is made of f lines; lines, points and curves are not drawn"));
     }
-    let materials = if with_materials {
-        materials(&source, &checked, assets, builder)?
+    let names = if with_materials {
+        Names::of(&mut checked)
     } else {
         checked.faces.iter_mut().for_each(|face| face.material = None);
-        Vec::new()
+        Names::default()
     };
+    let ids = materials(&source, &names, assets, builder)?;
     let unused = std::mem::take(&mut checked.unused);
-    let mesh = Arc::new(assembly::mesh(&source, checked, &materials, assets, builder)?);
+    let before = builder.warnings().len();
+    let mut mesh = assembly::mesh(&source, checked, assets, builder)?;
     warn(&source, &unused, builder);
-    assets.keep_mesh(path, light, &mesh);
-    Ok(mesh)
+    let slots = assets.kept().map(|_| mesh.face_materials.clone());
+    set_materials(&mut mesh, &ids);
+    let mesh = Arc::new(mesh);
+    let obj = slots.map(|slots| Obj {
+        with_materials,
+        mesh: Arc::clone(&mesh),
+        slots,
+        ids,
+        names: names.owned(source.text),
+        warnings: builder.warnings().get(before..).unwrap_or_default().to_vec(),
+    });
+    Ok((mesh, obj))
+}
+
+/// The mesh of a file that an earlier run has read: only its materials are looked up anew.
+fn mesh_again(
+    path: &str,
+    known: &Obj,
+    bytes: &[u8],
+    assets: &mut Assets<'_>,
+    builder: &mut Builder,
+) -> Result<Arc<Mesh>, Diagnostic> {
+    let text = wavefront::text(path, bytes)?;
+    let source = Source::new(path, &text, ErrorKind::Input);
+    let names = Names::again(&known.names, source.text);
+    let ids = materials(&source, &names, assets, builder)?;
+    builder.repeat_warnings(&known.warnings);
+    if ids == known.ids {
+        return Ok(Arc::clone(&known.mesh));
+    }
+    let mut mesh = Mesh::clone(&known.mesh);
+    mesh.face_materials.clone_from(&known.slots);
+    set_materials(&mut mesh, &ids);
+    Ok(Arc::new(mesh))
+}
+
+/// Gives each face the material in its slot of the file's names.
+fn set_materials(mesh: &mut Mesh, ids: &[MaterialId]) {
+    for id in &mut mesh.face_materials {
+        *id = ids.get(id.index()).copied().unwrap_or(MaterialId::INHERIT);
+    }
+    if mesh.face_materials.iter().all(|id| *id == MaterialId::INHERIT) {
+        mesh.face_materials = Vec::new();
+    }
+}
+
+/// The names in a file that lead to materials.
+#[derive(Default)]
+struct Names<'a> {
+    /// As [`Checked::libraries`].
+    libraries: Vec<(Cow<'a, str>, &'a str)>,
+    /// As [`Checked::materials`].
+    materials: Vec<(Cow<'a, str>, &'a str)>,
+    /// Whether a face has the material.
+    is_used: Vec<bool>,
+}
+
+impl<'a> Names<'a> {
+    fn of(checked: &mut Checked<'a>) -> Self {
+        let mut is_used = vec![false; checked.materials.len()];
+        for slot in checked.faces.iter().filter_map(|face| face.material) {
+            if let Some(used) = is_used.get_mut(slot as usize) {
+                *used = true;
+            }
+        }
+        Self {
+            libraries: std::mem::take(&mut checked.libraries),
+            materials: std::mem::take(&mut checked.materials),
+            is_used,
+        }
+    }
+
+    /// With places in `text` in place of slices of it.
+    fn owned(&self, text: &str) -> OwnedNames {
+        let place = |at: &str| {
+            let start = at.as_ptr() as usize - text.as_ptr() as usize;
+            start..start + at.len()
+        };
+        let all = |names: &[(Cow<'_, str>, &str)]| {
+            let owned = names
+                .iter()
+                .map(|(name, at)| (name.clone().into_owned(), place(at)));
+            owned.collect()
+        };
+        OwnedNames {
+            libraries: all(&self.libraries),
+            materials: all(&self.materials),
+            is_used: self.is_used.clone(),
+        }
+    }
+
+    /// The other way round.
+    fn again(names: &'a OwnedNames, text: &'a str) -> Self {
+        let all = |names: &'a [(String, Range<usize>)]| {
+            let slices = names.iter().map(|(name, place)| {
+                let at = text.get(place.clone()).unwrap_or_default();
+                (Cow::Borrowed(name.as_str()), at)
+            });
+            slices.collect()
+        };
+        Self {
+            libraries: all(&names.libraries),
+            materials: all(&names.materials),
+            is_used: names.is_used.clone(),
+        }
+    }
 }
 
 /// What the file has and the mesh has not.
@@ -112,12 +244,12 @@ fn warn(source: &Source<'_>, checked: &Ignored<'_>, builder: &mut Builder) {
 /// The material of each name that `usemtl` gives.
 fn materials(
     source: &Source<'_>,
-    checked: &Checked<'_>,
+    names: &Names<'_>,
     assets: &mut Assets<'_>,
     builder: &mut Builder,
 ) -> Result<Vec<MaterialId>, Diagnostic> {
     let mut files: Vec<(String, Vec<u8>)> = Vec::new();
-    for (name, at) in &checked.libraries {
+    for (name, at) in &names.libraries {
         let path = resolve(source.name, name);
         if files.iter().any(|(known, _)| *known == path) {
             continue;
@@ -146,19 +278,13 @@ fn materials(
         warn_library(&source, &library, builder);
         libraries.push((source, library));
     }
-    let mut is_used = vec![false; checked.materials.len()];
-    for slot in checked.faces.iter().filter_map(|face| face.material) {
-        if let Some(used) = is_used.get_mut(slot as usize) {
-            *used = true;
-        }
-    }
     let mut unknown = Vec::new();
-    let mut ids = vec![MaterialId::INHERIT; checked.materials.len()];
+    let mut ids = vec![MaterialId::INHERIT; names.materials.len()];
     let used = ids
         .iter_mut()
-        .zip(&checked.materials)
-        .zip(is_used)
-        .filter(|(_, used)| *used);
+        .zip(&names.materials)
+        .zip(&names.is_used)
+        .filter(|(_, used)| **used);
     for ((id, (name, at)), _) in used {
         // As with one name twice in one file, the last one counts.
         let found = libraries

@@ -37,6 +37,7 @@ use rhai::{AST, EvalAltResult, Position, Scope};
 use crate::{
     diag::{Diagnostic, Error, ErrorKind, Report},
     host::Host,
+    import::KeptAssets,
     limits::Limits,
     parameters::{Declared, Parameters},
     render::{Image, RenderOptions, RenderStats},
@@ -79,6 +80,9 @@ pub struct RunOptions {
     pub lint: bool,
     /// How `render()` renders.
     pub render: RenderOptions,
+    /// Meshes and textures kept from one run to the next, for runs of nearly the same script; the scene is the same with
+    /// and without.
+    pub assets: Option<KeptAssets>,
 }
 
 impl From<&Parameters> for RunOptions {

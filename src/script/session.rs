@@ -155,7 +155,7 @@ impl State {
             current_name: ImmutableString::new(),
             modules: BTreeMap::new(),
             loading: Vec::new(),
-            assets: AssetCache::default(),
+            assets: AssetCache::keeping(options.assets.clone()),
             printed: 0,
             ended: None,
             rendering: Duration::ZERO,

@@ -157,6 +157,19 @@ impl Builder {
         self.scene = scene;
     }
 
+    /// Warnings so far that were not taken.
+    pub(crate) fn warnings(&self) -> &[Diagnostic] {
+        &self.warnings
+    }
+
+    /// Warns again of what another builder warned of.
+    pub(crate) fn repeat_warnings(&mut self, warnings: &[Diagnostic]) {
+        for file in warnings.iter().filter_map(|warning| warning.file.as_deref()) {
+            self.file(file);
+        }
+        self.warnings.extend_from_slice(warnings);
+    }
+
     /// Warnings so far, handed over.
     pub fn take_warnings(&mut self) -> Vec<Diagnostic> {
         std::mem::take(&mut self.warnings)
