@@ -87,6 +87,11 @@ impl CliHost {
         Some(recipe.of_picture(image.hash()))
     }
 
+    /// A file below the folder of the scene, as it is found from the current folder.
+    pub(super) fn path_of(&self, asset: &str) -> PathBuf {
+        self.assets.root().join(asset)
+    }
+
     /// Takes the progress line off the terminal.
     pub(super) fn clear_progress(&self) {
         self.progress.clear();
@@ -226,7 +231,7 @@ impl Host for RecipeHost<'_> {
 
 /// The path of a picture that a script names: relative, without `..`, and not through a link that leads out of
 /// the current folder.
-fn below_current_folder(name: &str) -> Result<PathBuf, HostError> {
+pub(super) fn below_current_folder(name: &str) -> Result<PathBuf, HostError> {
     let denied = |why: &str| {
         Err(HostError::new(
             ErrorKind::Denied,

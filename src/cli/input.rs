@@ -98,16 +98,24 @@ impl Input {
     /// # Errors
     /// `Input` where it cannot be read, or as [`source::text`].
     pub(super) fn read(&self, limits: &Limits) -> Result<String, Error> {
+        source::text(&self.name, self.bytes(limits)?, limits)
+    }
+
+    /// Its bytes, or as many as are enough to see that there are too many.
+    ///
+    /// # Errors
+    /// `Input` where it cannot be read.
+    pub(super) fn bytes(&self, limits: &Limits) -> Result<Vec<u8>, Error> {
         let most = limits.source_bytes as u64 + 1;
         let mut bytes = Vec::new();
         let read = match &self.path {
             None => io::stdin().lock().take(most).read_to_end(&mut bytes),
             Some(path) => fs::File::open(path).and_then(|file| file.take(most).read_to_end(&mut bytes)),
         };
-        if let Err(error) = read {
-            return Err(self.unreadable(&error).into());
+        match read {
+            Ok(_) => Ok(bytes),
+            Err(error) => Err(self.unreadable(&error).into()),
         }
-        source::text(&self.name, bytes, limits)
     }
 
     fn unreadable(&self, error: &io::Error) -> Diagnostic {

@@ -49,7 +49,7 @@ impl Target {
     }
 
     /// Whether the picture can be written, asked before time is spent on it.
-    fn check(&self, inputs: &[PathBuf]) -> Result<(), HostError> {
+    pub(super) fn check(&self, inputs: &[PathBuf]) -> Result<(), HostError> {
         match self.path() {
             Some(path) => output::check_target(path, inputs),
             None if std::io::stdout().is_terminal() => Err(HostError::new(
@@ -60,7 +60,8 @@ impl Target {
         }
     }
 
-    fn write(&self, image: &Image, recipe: Option<&Recipe>) -> Result<(), HostError> {
+    /// Writes the picture.
+    pub(super) fn write(&self, image: &Image, recipe: Option<&Recipe>) -> Result<(), HostError> {
         match (self.path(), recipe) {
             (Some(path), Some(recipe)) => output::save_with(path, image, recipe),
             (Some(path), None) => output::save(path, image),
@@ -74,7 +75,8 @@ impl Target {
         }
     }
 
-    fn name(&self) -> String {
+    /// What messages call it.
+    pub(super) fn name(&self) -> String {
         self.path()
             .map_or("<stdout>".to_owned(), |path| path.display().to_string())
     }

@@ -24,10 +24,12 @@ mod rerun;
 mod sheet;
 mod show;
 mod signals;
+mod sixel;
 mod stats;
 mod subject;
 mod sweep;
 mod test;
+mod watch;
 mod why;
 
 use std::{
@@ -91,6 +93,9 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
         Some(Command::Blame(args)) => {
             context.finish(false, |signals, reporter| blame::blame(&args, signals, reporter))
         }
+        Some(Command::Watch(args)) => context.answer(args.quiet, |signals, reporter| {
+            watch::watch(&args, signals, reporter)
+        }),
         Some(Command::Test(args)) => context.test(&args),
         Some(Command::Render(args)) => context.render(&args),
         None => context.render(&cli.render),

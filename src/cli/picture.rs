@@ -6,7 +6,7 @@ use std::{
     io::{self, IsTerminal},
 };
 
-use super::args::TerminalPictures;
+use super::{args::TerminalPictures, sixel};
 use crate::{
     output::{self, Format},
     render::Image,
@@ -17,6 +17,15 @@ const COLUMNS: u32 = 80;
 /// Bytes of base64 in one escape sequence; the protocol allows 4096.
 const CHUNK: usize = 4096;
 
+/// Colors that a terminal has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Colors {
+    /// Red, green and blue of 8 bits each.
+    True,
+    /// The 256 of xterm: a cube of 216 and 24 grays beside the first 16.
+    Xterm256,
+}
+
 /// What makes the terminal show the picture, ending with a line end; `None` where it shall or can show none.
 pub(super) fn for_terminal(image: &Image, how: TerminalPictures) -> Option<String> {
     let how = match how {
@@ -25,17 +34,21 @@ pub(super) fn for_terminal(image: &Image, how: TerminalPictures) -> Option<Strin
         chosen => chosen,
     };
     match how {
-        TerminalPictures::Kitty => kitty(image),
-        TerminalPictures::Blocks => Some(half_blocks(image, columns())),
+        TerminalPictures::Kitty => kitty(image, "").map(|text| text + "\n"),
+        TerminalPictures::Sixel => Some(sixel::encode(&Pixels::of(image)) + "\n"),
+        TerminalPictures::Blocks => {
+            let across = image.width().min(columns());
+            let down = u64::from(image.height()) * u64::from(across);
+            let down = down.div_ceil(u64::from(image.width())).max(1) as u32;
+            Some(half_blocks(&Pixels::of(image).resized(across, down), colors()))
+        }
         TerminalPictures::Auto | TerminalPictures::None => None,
     }
 }
 
-/// What the environment says of the terminal. Asking the terminal itself could leave its answer in the input.
-fn ability() -> TerminalPictures {
-    let says = |name: &str, values: &[&str]| {
-        env::var(name).is_ok_and(|value| values.iter().any(|v| value.contains(v)))
-    };
+/// What the environment says of the terminal. Asking the terminal itself could leave its answer in the input, unless
+/// somebody reads that.
+pub(super) fn ability() -> TerminalPictures {
     if says("TERM", &["kitty", "ghostty"]) || says("TERM_PROGRAM", &["WezTerm", "ghostty"]) {
         TerminalPictures::Kitty
     } else if says("TERM", &["dumb"]) || env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty()) {
@@ -45,18 +58,80 @@ fn ability() -> TerminalPictures {
     }
 }
 
+/// What the environment says of the terminal's colors. Terminals that have all of them say so in `COLORTERM`, or know
+/// what to do with more than they have, as tmux does.
+pub(super) fn colors() -> Colors {
+    let lacks = says("TERM", &["256color"])
+        && !says("COLORTERM", &["truecolor", "24bit"])
+        && env::var_os("TMUX").is_none();
+    if lacks { Colors::Xterm256 } else { Colors::True }
+}
+
+fn says(name: &str, values: &[&str]) -> bool {
+    env::var(name).is_ok_and(|value| values.iter().any(|v| value.contains(v)))
+}
+
 fn columns() -> u32 {
     let told = env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok());
     told.unwrap_or(COLUMNS).clamp(8, 400)
 }
 
-/// Kitty's graphics protocol: the PNG in base64, in chunks.
-fn kitty(image: &Image) -> Option<String> {
+/// Colors of 8 bits, rows from the top.
+#[derive(Clone, Debug)]
+pub(super) struct Pixels {
+    pub(super) width: u32,
+    pub(super) height: u32,
+    pub(super) rgb: Vec<[u8; 3]>,
+}
+
+impl Pixels {
+    pub(super) fn of(image: &Image) -> Self {
+        Self {
+            width: image.width(),
+            height: image.height(),
+            rgb: image.rgb8().as_chunks::<3>().0.to_vec(),
+        }
+    }
+
+    /// The color at a place; black outside.
+    pub(super) fn at(&self, x: u32, y: u32) -> [u8; 3] {
+        let index = y as usize * self.width as usize + x as usize;
+        self.rgb.get(index).copied().unwrap_or_default()
+    }
+
+    /// The same picture in another size: smaller by taking means, larger by repeating.
+    pub(super) fn resized(&self, width: u32, height: u32) -> Self {
+        let span = |i: u32, cells: u32, pixels: u32| {
+            let at = |i: u32| (u64::from(i) * u64::from(pixels) / u64::from(cells.max(1))) as u32;
+            at(i)..at(i + 1).max(at(i) + 1)
+        };
+        let mut rgb = Vec::with_capacity(width as usize * height as usize);
+        for row in 0..height {
+            for column in 0..width {
+                let (mut sums, mut count) = ([0u32; 3], 0);
+                for y in span(row, height, self.height) {
+                    for x in span(column, width, self.width) {
+                        let color = self.at(x, y);
+                        sums = [0, 1, 2].map(|i: usize| sums[i] + u32::from(color[i]));
+                        count += 1;
+                    }
+                }
+                rgb.push(sums.map(|sum| (sum / count.max(1)) as u8));
+            }
+        }
+        Self { width, height, rgb }
+    }
+}
+
+/// Kitty's graphics protocol: the PNG in base64, in chunks. `placing` is what the first of them says besides, each key
+/// ending with a comma.
+pub(super) fn kitty(image: &Image, placing: &str) -> Option<String> {
     let png = output::encode(image, Format::Png).ok()?;
     let encoded = base64(&png);
     let mut text = String::new();
     let mut rest = encoded.as_str();
-    let mut control = "a=T,f=100,";
+    let first = format!("a=T,f=100,{placing}");
+    let mut control = first.as_str();
     while !rest.is_empty() {
         let (chunk, after) = rest.split_at(rest.len().min(CHUNK));
         // Writing into a String does not fail.
@@ -67,49 +142,64 @@ fn kitty(image: &Image) -> Option<String> {
         );
         (rest, control) = (after, "");
     }
-    text.push('\n');
     Some(text)
 }
 
-/// Two pixels in each character: an upper half block in the color of the one on the color of the other. Larger
-/// pictures are made smaller by taking means.
-fn half_blocks(image: &Image, columns: u32) -> String {
-    let (width, height) = (image.width(), image.height());
-    let across = width.min(columns);
-    let down = (u64::from(height) * u64::from(across))
-        .div_ceil(u64::from(width))
-        .max(1) as u32;
-    let bytes = image.rgb8();
-    let mean = |column: u32, row: u32| {
-        let span = |i: u32, cells: u32, pixels: u32| {
-            let at = |i: u32| (u64::from(i) * u64::from(pixels) / u64::from(cells)) as usize;
-            at(i)..at(i + 1).max(at(i) + 1)
-        };
-        let (mut sums, mut count) = ([0u32; 3], 0);
-        for y in span(row, down, height) {
-            for x in span(column, across, width) {
-                if let Some(rgb) = bytes.as_chunks::<3>().0.get(y * width as usize + x) {
-                    sums = [0, 1, 2].map(|i: usize| sums[i] + u32::from(rgb[i]));
-                    count += 1;
-                }
-            }
-        }
-        sums.map(|sum| sum / count.max(1))
-    };
+/// Two pixels in each character: an upper half block in the color of the one on the color of the other. Ends with a
+/// line end.
+pub(super) fn half_blocks(pixels: &Pixels, colors: Colors) -> String {
     let mut text = String::new();
-    for row in (0..down).step_by(2) {
-        for column in 0..across {
-            let [r, g, b] = mean(column, row);
-            let _ = write!(text, "\x1b[38;2;{r};{g};{b}m");
-            if row + 1 < down {
-                let [r, g, b] = mean(column, row + 1);
-                let _ = write!(text, "\x1b[48;2;{r};{g};{b}m");
+    for row in (0..pixels.height).step_by(2) {
+        let mut last = (None, None);
+        for column in 0..pixels.width {
+            let upper = Some(pixels.at(column, row));
+            if upper != last.0 {
+                paint(&mut text, 38, upper, colors);
             }
+            let lower = (row + 1 < pixels.height).then(|| pixels.at(column, row + 1));
+            if lower != last.1 {
+                paint(&mut text, 48, lower, colors);
+            }
+            last = (upper, lower);
             text.push('▀');
         }
         text.push_str("\x1b[0m\n");
     }
     text
+}
+
+/// Chooses the color of what is written (38) or of what is behind it (48).
+fn paint(text: &mut String, ground: u8, color: Option<[u8; 3]>, colors: Colors) {
+    let Some([r, g, b]) = color else { return };
+    // Writing into a String does not fail.
+    let _ = match colors {
+        Colors::True => write!(text, "\x1b[{ground};2;{r};{g};{b}m"),
+        Colors::Xterm256 => write!(text, "\x1b[{ground};5;{}m", xterm256([r, g, b])),
+    };
+}
+
+/// The nearest of xterm's colors, of the cube and the grays.
+fn xterm256(color: [u8; 3]) -> u8 {
+    const LEVELS: [u8; 6] = [0, 95, 135, 175, 215, 255];
+    let nearest = |c: u8| {
+        (0..6u8)
+            .min_by_key(|i| LEVELS[usize::from(*i)].abs_diff(c))
+            .unwrap_or(0)
+    };
+    let cube = color.map(nearest);
+    let mean = color.iter().map(|c| u32::from(*c)).sum::<u32>() / 3;
+    let gray = (mean.saturating_sub(3) / 10).min(23) as u8;
+    let distance = |other: [u8; 3]| -> u32 {
+        color
+            .iter()
+            .zip(other)
+            .map(|(a, b)| u32::from(a.abs_diff(b)).pow(2))
+            .sum()
+    };
+    if distance([8 + 10 * gray; 3]) < distance(cube.map(|i| LEVELS[usize::from(i)])) {
+        return 232 + gray;
+    }
+    16 + 36 * cube[0] + 6 * cube[1] + cube[2]
 }
 
 /// Base64 with padding (RFC 4648, section 4).
@@ -144,7 +234,8 @@ mod tests {
     #[test]
     fn half_blocks_hold_two_rows_each() {
         let bytes: Vec<u8> = (0..4 * 3 * 3).collect();
-        let text = half_blocks(&from_rgb8(4, 3, &bytes), 80);
+        let pixels = Pixels::of(&from_rgb8(4, 3, &bytes));
+        let text = half_blocks(&pixels, Colors::True);
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 2);
         assert!(
@@ -153,9 +244,33 @@ mod tests {
             lines[0]
         );
         assert!(lines[1].starts_with("\x1b[38;2;24;25;26m▀"), "{:?}", lines[1]);
-        let narrow = half_blocks(&from_rgb8(4, 3, &bytes), 2);
+        let narrow = half_blocks(&pixels.resized(2, 2), Colors::True);
         assert_eq!(narrow.matches('▀').count(), 2);
         assert!(narrow.starts_with("\x1b[38;2;1;2;3m"), "{narrow:?}");
+    }
+
+    #[test]
+    fn a_picture_grows_by_repeating_and_colors_are_said_once() {
+        let pixels = Pixels::of(&from_rgb8(2, 1, &[9, 9, 9, 200, 0, 0]));
+        let large = pixels.resized(4, 4);
+        assert_eq!(large.rgb[4..8], [[9; 3], [9; 3], [200, 0, 0], [200, 0, 0]]);
+        let line = "\x1b[38;2;9;9;9m\x1b[48;2;9;9;9m▀▀\x1b[38;2;200;0;0m\x1b[48;2;200;0;0m▀▀\x1b[0m\n";
+        assert_eq!(half_blocks(&large, Colors::True), line.repeat(2));
+    }
+
+    #[test]
+    fn the_nearest_of_256_colors() {
+        let nearest = [
+            [0, 0, 0],
+            [255, 255, 255],
+            [255, 0, 0],
+            [95, 135, 175],
+            [128, 128, 128],
+            [9, 8, 7],
+        ];
+        assert_eq!(nearest.map(xterm256), [16, 231, 196, 67, 244, 232]);
+        let pixels = Pixels::of(&from_rgb8(1, 1, &[255, 0, 0]));
+        assert_eq!(half_blocks(&pixels, Colors::Xterm256), "\x1b[38;5;196m▀\x1b[0m\n");
     }
 
     #[test]
@@ -163,9 +278,9 @@ mod tests {
         let noise: Vec<u8> = (0..60_000u32)
             .map(|i| (i.wrapping_mul(2_654_435_761) >> 13) as u8)
             .collect();
-        let text = kitty(&from_rgb8(200, 100, &noise)).unwrap();
-        assert!(text.starts_with("\x1b_Ga=T,f=100,m=1;iVBORw0KGgo"));
-        assert!(text.ends_with("\x1b\\\n"));
+        let text = kitty(&from_rgb8(200, 100, &noise), "c=9,").unwrap();
+        assert!(text.starts_with("\x1b_Ga=T,f=100,c=9,m=1;iVBORw0KGgo"));
+        assert!(text.ends_with("\x1b\\"));
         assert_eq!(text.matches("m=0;").count(), 1);
     }
 }

@@ -81,6 +81,11 @@ impl Reporter {
     }
 }
 
+/// The diagnostic in colors, for a screen that is drawn as a whole; lines without an end of the last.
+pub(super) fn colored(diagnostic: &Diagnostic) -> String {
+    text(diagnostic, &Renderer::styled())
+}
+
 /// The diagnostic as one object. Without a place, file, line and column are null.
 fn as_json(diagnostic: &Diagnostic) -> serde_json::Value {
     let kind = match diagnostic.kind {
@@ -151,7 +156,7 @@ fn text(diagnostic: &Diagnostic, renderer: &Renderer) -> String {
 
 /// Cut to length, and without what would steer the terminal or turn the direction of writing around: file names
 /// and scripts may hold it.
-fn shortened(text: &str) -> String {
+pub(super) fn shortened(text: &str) -> String {
     let harmless = |c: char| match c {
         '\n' | '\t' => c,
         '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => char::REPLACEMENT_CHARACTER,

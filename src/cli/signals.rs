@@ -1,18 +1,26 @@
 //! SIGINT, SIGTERM and SIGHUP: the first stops the render, the second the process.
 
 use std::sync::{
-    Arc,
+    Arc, Mutex, PoisonError,
     atomic::{AtomicBool, AtomicI32, Ordering},
 };
 
 /// Which signal came, if any.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub(super) struct Signals {
     /// Number of the first signal; 0 before one came.
     caught: AtomicI32,
     /// Whether somebody looks at `caught`. While a file is read nobody does: reading a terminal may wait for
     /// ever, so that a signal must end the process at once.
     armed: AtomicBool,
+    /// What is to be done before a signal ends the process, such as to give the terminal back.
+    last: Mutex<Option<Box<dyn Fn() + Send>>>,
+}
+
+impl std::fmt::Debug for Signals {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("Signals").field(&self.caught()).finish()
+    }
 }
 
 impl Signals {
@@ -27,6 +35,18 @@ impl Signals {
     /// Says whether [`Signals::caught`] is being looked at; otherwise a signal ends the process.
     pub(super) fn arm(&self, armed: bool) {
         self.armed.store(armed, Ordering::SeqCst);
+    }
+
+    /// Says what is to be done before a signal ends the process at once.
+    pub(super) fn before_the_end(&self, last: Option<Box<dyn Fn() + Send>>) {
+        *self.last.lock().unwrap_or_else(PoisonError::into_inner) = last;
+    }
+
+    #[cfg(unix)]
+    fn end(&self) {
+        if let Some(last) = &*self.last.lock().unwrap_or_else(PoisonError::into_inner) {
+            last();
+        }
     }
 
     /// The number of the signal that asks to stop.
@@ -64,6 +84,7 @@ mod unix {
                     .caught
                     .compare_exchange(0, signal, Ordering::SeqCst, Ordering::SeqCst);
                 if first.is_err() || !signals.armed.load(Ordering::SeqCst) {
+                    signals.end();
                     low_level::exit(128 + signal);
                 }
             }

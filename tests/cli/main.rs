@@ -18,6 +18,7 @@ mod sweep;
 #[cfg(unix)]
 mod system;
 mod usage;
+mod watch;
 mod why;
 
 use std::{

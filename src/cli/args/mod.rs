@@ -6,6 +6,7 @@ mod make;
 mod render;
 mod shared;
 mod test;
+mod watch;
 
 use clap::{Parser, Subcommand, ValueEnum};
 
@@ -15,11 +16,13 @@ pub(super) use make::{NewArgs, RerunArgs, SweepArgs, VerifyArgs};
 pub(super) use render::{ConvertArgs, RenderArgs, ShowWhat, StatsFormat};
 pub(super) use shared::Overrides;
 pub(super) use test::{TerminalPictures, TestArgs};
+pub(super) use watch::WatchArgs;
 
 use ask::AFTER_WHY;
 use make::AFTER_SWEEP;
 use render::AFTER_HELP;
 use test::AFTER_TEST;
+use watch::AFTER_WATCH;
 
 /// Renders pictures that are written as code.
 ///
@@ -68,6 +71,9 @@ pub(super) enum Command {
     Render(RenderArgs),
     /// Turn a scene of the CSE167 course into a script that gives the same pixels
     Convert(ConvertArgs),
+    /// Render a scene again whenever it or a file that it reads changes, and show it in the terminal
+    #[command(after_help = AFTER_WATCH)]
+    Watch(WatchArgs),
     /// Compare scenes with their snapshots, or put them on record
     #[command(after_help = AFTER_TEST)]
     Test(TestArgs),

@@ -100,6 +100,8 @@ pub(in crate::cli) enum TerminalPictures {
     Auto,
     /// Kitty's protocol, which Ghostty and WezTerm speak too
     Kitty,
+    /// Sixels, which xterm, foot, mlterm, iTerm2, Windows Terminal and others know
+    Sixel,
     /// Colored half blocks
     Blocks,
     /// No pictures
