@@ -23,6 +23,8 @@ pub struct Param {
     pub default: Option<&'static str>,
     /// What it means.
     pub doc: &'static str,
+    /// The keys that a map of options may have.
+    pub keys: &'static [&'static str],
 }
 
 impl Param {
@@ -33,11 +35,17 @@ impl Param {
             unit,
             default: None,
             doc,
+            keys: &[],
         }
     }
 
     pub(super) const fn or(mut self, default: &'static str) -> Self {
         self.default = Some(default);
+        self
+    }
+
+    pub(super) const fn keys(mut self, keys: &'static [&'static str]) -> Self {
+        self.keys = keys;
         self
     }
 }

@@ -21,15 +21,16 @@ use crate::{
 };
 
 const KEYS: [&str; 4] = ["indices", "normals", "positions", "uvs"];
+const MESH_OPTIONS: [&str; 1] = ["materials"];
 
 pub(super) const ENTRIES: &[Entry] = &[
     Entry::scene(Group::Assets, "mesh", mesh)
         .takes(&[
             &[string("file", "an OBJ file, relative to the script that names it")],
-            &[map("data", "positions, and any of indices, normals and uvs")],
+            &[map("data", "positions, and any of indices, normals and uvs").keys(&KEYS)],
             &[
                 string("file", "an OBJ file, relative to the script that names it"),
-                map("options", "materials: whether to read the file's materials; true unless given"),
+                map("options", "materials: whether to read the file's materials; true unless given").keys(&MESH_OPTIONS),
             ],
         ])
         .doc("A triangle mesh: from a file, with its normals, materials and textures; with #{ materials: false } its shape alone, in the current material; or from arrays. positions and normals are points or one flat list, uvs are pairs or one flat list, each also a blob of floats as write_le writes them; indices count from 0, three for each triangle. Without indices every three positions are a triangle; without normals the mesh is flat.")
@@ -108,7 +109,7 @@ fn wants_materials(call: &mut Call<'_, '_>) -> Outcome<bool> {
     let Some(options) = options.read_lock::<Map>() else {
         return Err(call.wrong_kind("options", "a map", options));
     };
-    call.known_keys(&options, &["materials"])?;
+    call.known_keys(&options, &MESH_OPTIONS)?;
     match options.get("materials") {
         Some(wanted) => wanted
             .as_bool()

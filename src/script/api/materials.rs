@@ -78,7 +78,7 @@ pub(super) const ENTRIES: &[Entry] = &[
     Entry::scene(Group::Materials, "material", material)
         .takes(&[
             &[],
-            &[map("options", "any of ambient, diffuse, emission, ior, reflection, shininess, specular, transmission")],
+            &[map("options", "any of ambient, diffuse, emission, ior, reflection, shininess, specular, transmission").keys(&KEYS)],
         ])
         .returns("map")
         .doc("Sets several terms at once and returns the whole state as a map. material(m) puts such a map back. A reflection of () follows Ks again.")

@@ -14,6 +14,7 @@ use crate::{
     },
 };
 
+const OPTIONS: [&str; 4] = ["min", "max", "choices", "doc"];
 const NAME: Param = string("name", "letters, digits and _; not size, samples or seed");
 const DEFAULT: Param = Param::new(
     "default",
@@ -31,7 +32,8 @@ pub(super) const ENTRIES: &[Entry] = &[Entry::scene(Group::Parameters, "param", 
             map(
                 "options",
                 "min and max of a number, choices as an array of all that may be given, doc as a sentence",
-            ),
+            )
+            .keys(&OPTIONS),
         ],
     ])
     .returns("the default's type")
@@ -115,7 +117,7 @@ fn declare(
     } else {
         return Err(call.wrong_kind("default", "a number, true, false or a string", default));
     };
-    call.known_keys(options, &["min", "max", "choices", "doc"])?;
+    call.known_keys(options, &OPTIONS)?;
     let bound = |key: &str| match options.get(key) {
         None => Ok(None),
         Some(_) if !matches!(kind, ParameterKind::Int | ParameterKind::Number) => Err(call.error(format!(
