@@ -13,6 +13,7 @@ mod help;
 mod host;
 mod input;
 mod job;
+mod lsp;
 mod manual;
 mod new;
 mod params;
@@ -96,6 +97,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
         Some(Command::Watch(args)) => context.answer(args.quiet, |signals, reporter| {
             watch::watch(&args, signals, reporter)
         }),
+        Some(Command::Lsp(_)) => context.answer(false, |_, _| Ok(lsp::lsp())),
         Some(Command::Test(args)) => context.test(&args),
         Some(Command::Render(args)) => context.render(&args),
         None => context.render(&cli.render),

@@ -174,7 +174,7 @@ pub(super) fn shortened(text: &str) -> String {
 /// Byte range of the word, number or string at character `column` (from 1) of a line; the whole line without its
 /// indentation where the column is unknown. Rhai and the importers give a point, a caret under a whole word is
 /// easier to see.
-fn token(line: &str, column: u32) -> std::ops::Range<usize> {
+pub(super) fn token(line: &str, column: u32) -> std::ops::Range<usize> {
     if column == 0 {
         let start = line.len() - line.trim_start().len();
         return start..line.trim_end().len().max(start);

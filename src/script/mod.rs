@@ -4,6 +4,8 @@
 //! pictures it rendered. A script reaches nothing but the [`Host`] it is given, stays within its [`Limits`],
 //! and depends on no clock, no thread and no machine.
 
+#[cfg(feature = "cli")]
+pub(crate) mod analysis;
 mod api;
 mod call;
 mod engine;

@@ -211,7 +211,7 @@ fn operator(symbol: &str, kinds: &[String]) -> Diagnostic {
 }
 
 /// Names of Rhai's own functions.
-static BUILTINS: LazyLock<BTreeSet<String>> = LazyLock::new(|| {
+pub(super) static BUILTINS: LazyLock<BTreeSet<String>> = LazyLock::new(|| {
     let Ok(engine) = engine::compiler(&Limits::default()) else {
         return BTreeSet::new();
     };

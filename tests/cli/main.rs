@@ -6,6 +6,7 @@ mod course;
 mod files;
 mod flags;
 mod help;
+mod lsp;
 mod messages;
 mod params;
 mod pictures;

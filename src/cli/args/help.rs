@@ -42,3 +42,10 @@ pub(in crate::cli) struct ManArgs {
     #[arg(value_name = "COMMAND")]
     pub(in crate::cli) command: Option<String>,
 }
+
+#[derive(Debug, Args)]
+pub(in crate::cli) struct LspArgs {
+    /// Speak on standard input and output, as is always done: some editors say so
+    #[arg(long)]
+    pub(in crate::cli) stdio: bool,
+}

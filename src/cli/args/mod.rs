@@ -11,7 +11,7 @@ mod watch;
 use clap::{Parser, Subcommand, ValueEnum};
 
 pub(super) use ask::{BlameArgs, CheckArgs, HashArgs, ParamsArgs, WhyArgs};
-pub(super) use help::{CompletionsArgs, HelpArgs, ManArgs};
+pub(super) use help::{CompletionsArgs, HelpArgs, LspArgs, ManArgs};
 pub(super) use make::{NewArgs, RerunArgs, SweepArgs, VerifyArgs};
 pub(super) use render::{ConvertArgs, RenderArgs, ShowWhat, StatsFormat};
 pub(super) use shared::Overrides;
@@ -103,6 +103,8 @@ pub(super) enum Command {
     Why(WhyArgs),
     /// Say which lines of a script the work for a picture goes to, counted in rays and in boxes that they touch
     Blame(BlameArgs),
+    /// Tell an editor about scripts while they are written: a server for the Language Server Protocol
+    Lsp(LspArgs),
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use crate::script::{Entry, Kind, Param};
 
 /// One line for each form: `rotate(axis, degrees)`, `log(x, base = 10) -> float`, `define name { ... }`.
-pub(super) fn forms(entry: &Entry) -> Vec<String> {
+pub(in crate::cli) fn forms(entry: &Entry) -> Vec<String> {
     let returns = match entry.returns {
         "nothing" => String::new(),
         what => format!(" -> {what}"),
@@ -15,7 +15,7 @@ pub(super) fn forms(entry: &Entry) -> Vec<String> {
         .collect()
 }
 
-fn written(params: &[Param]) -> String {
+pub(in crate::cli) fn written(params: &[Param]) -> String {
     let is_block = |p: &Param| p.kind == Kind::Block;
     if params.iter().any(is_block) {
         let before = params.iter().filter(|p| !is_block(p));
@@ -33,7 +33,7 @@ fn written(params: &[Param]) -> String {
 }
 
 /// The parameters of all forms, each once.
-pub(super) fn parameters(entry: &Entry) -> Vec<&'static Param> {
+pub(in crate::cli) fn parameters(entry: &Entry) -> Vec<&'static Param> {
     let mut all: Vec<&Param> = Vec::new();
     for param in entry.forms.iter().copied().flatten() {
         let same = |p: &&Param| p.name == param.name && p.kind == param.kind && p.doc == param.doc;

@@ -2,7 +2,7 @@
 
 mod definitions;
 mod example;
-mod forms;
+pub(in crate::cli) mod forms;
 mod json;
 mod markdown;
 mod text;

@@ -1,0 +1,25 @@
+//! `rtscript lsp`: a companion for editors, which speaks the Language Server Protocol on standard input and output.
+//!
+//! What a document says is asked of its text as it stands (`script::analysis`), at once and on one thread. What is wrong
+//! with it is found by running it dry, on threads beside that, a moment after each edit.
+
+mod check;
+mod colors;
+mod complete;
+mod diagnostics;
+mod documents;
+mod hover;
+mod navigate;
+mod outline;
+mod server;
+mod signature;
+mod text;
+mod uri;
+mod wire;
+
+use std::io;
+
+/// Serves the client on standard input and output, and returns the exit code: 0 after `shutdown` and `exit`, else 1.
+pub(super) fn lsp() -> u8 {
+    server::serve(io::stdin(), io::stdout().lock())
+}
