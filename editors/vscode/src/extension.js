@@ -2,11 +2,11 @@
 "use strict";
 
 const path = require("node:path");
-const { commands, window, workspace, Uri } = require("vscode");
+const { commands, window, workspace, RelativePattern, Uri, ViewColumn } = require("vscode");
 const { LanguageClient } = require("vscode-languageclient/node");
 
 let client;
-let terminal;
+const terminals = new Map();
 
 function settings() {
   return workspace.getConfiguration("rtscript");
@@ -48,7 +48,8 @@ function quoted(argument) {
   return process.platform === "win32" ? `"${argument.replaceAll('"', '""')}"` : `'${argument.replaceAll("'", "'\\''")}'`;
 }
 
-async function render() {
+// Runs a command of the program on the script at hand, in a terminal, and shows the picture that it writes beside it.
+async function run(verb, more) {
   const document = window.activeTextEditor?.document;
   if (document?.uri.scheme !== "file") {
     await window.showInformationMessage("Save the script first: its picture is written beside it.");
@@ -58,17 +59,18 @@ async function render() {
   const folder = path.dirname(document.fileName);
   const scene = path.basename(document.fileName);
   const picture = `${path.basename(scene, path.extname(scene))}.png`;
-  const line = [settings().get("path", "rtscript"), ...settings().get("renderArguments", []), scene, "-o", picture];
-  if (!terminal || terminal.exitStatus !== undefined || terminal.folder !== folder) {
-    terminal = Object.assign(window.createTerminal({ name: "rtscript", cwd: folder }), { folder });
-  }
+  const line = [settings().get("path", "rtscript"), verb, scene, "-o", picture, ...more];
+  const terminal = window.createTerminal({ name: `rtscript ${verb} ${scene}`, cwd: folder });
+  terminals.get(verb)?.dispose();
+  terminals.set(verb, terminal);
   terminal.show(true);
   terminal.sendText(line.map(quoted).join(" "));
+  // The editor shows a picture anew by itself when its file changes.
   const shown = Uri.file(path.join(folder, picture));
-  const watcher = workspace.createFileSystemWatcher(shown.fsPath);
+  const watcher = workspace.createFileSystemWatcher(new RelativePattern(Uri.file(folder), picture));
   const open = async () => {
     watcher.dispose();
-    await commands.executeCommand("vscode.open", shown, { viewColumn: -2, preserveFocus: true });
+    await commands.executeCommand("vscode.open", shown, { viewColumn: ViewColumn.Beside, preserveFocus: true });
   };
   watcher.onDidCreate(open);
   watcher.onDidChange(open);
@@ -76,7 +78,8 @@ async function render() {
 
 exports.activate = async (context) => {
   context.subscriptions.push(
-    commands.registerCommand("rtscript.render", render),
+    commands.registerCommand("rtscript.render", () => run("render", settings().get("renderArguments", []))),
+    commands.registerCommand("rtscript.watch", () => run("watch", [])),
     commands.registerCommand("rtscript.restart", restart),
     workspace.onDidChangeConfiguration((change) => change.affectsConfiguration("rtscript.path") && restart()),
   );

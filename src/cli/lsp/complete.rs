@@ -92,6 +92,9 @@ pub(super) fn complete(
         && inside.start <= offset
         && offset <= inside.end
     {
+        // Of a string without an end, nobody knows how far it is to go.
+        let is_open = text.tokens().get(token).is_some_and(|t| t.open);
+        let inside = inside.start..if is_open { offset } else { inside.end };
         let items = in_string(document, token, offset);
         return items
             .into_iter()
@@ -475,6 +478,11 @@ mod tests {
     #[test]
     fn strings_name_files_and_definitions() {
         assert_eq!(labels("define \"car\" { } instance(\"^\")"), ["car"]);
+        let open = &items("define \"car\" { } instance(\"c^, 3")["car"]["textEdit"]["range"];
+        assert_eq!(
+            (&open["start"]["character"], &open["end"]["character"]),
+            (&json!(27), &json!(28))
+        );
         let folder = std::env::temp_dir().join(format!("rtscript-complete-{}", std::process::id()));
         fs::create_dir_all(folder.join("models")).unwrap();
         for file in [

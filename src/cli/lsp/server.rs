@@ -77,19 +77,22 @@ pub(super) fn serve(from: impl Read + Send + 'static, to: impl Write) -> u8 {
     if reading.is_err() {
         return 70;
     }
-    let mut server = Server {
-        to,
-        phase: Phase::New,
-        snippets: false,
-        documents: Documents::default(),
-        checker,
-        published: BTreeMap::new(),
-        reads: BTreeMap::new(),
-    };
-    server.run(&events)
+    Server::new(to, checker).run(&events)
 }
 
 impl<W: Write> Server<W> {
+    fn new(to: W, checker: Checker) -> Self {
+        Self {
+            to,
+            phase: Phase::New,
+            snippets: false,
+            documents: Documents::default(),
+            checker,
+            published: BTreeMap::new(),
+            reads: BTreeMap::new(),
+        }
+    }
+
     fn run(&mut self, events: &Receiver<Event>) -> u8 {
         let mut waiting: VecDeque<Event> = VecDeque::new();
         loop {

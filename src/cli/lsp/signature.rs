@@ -41,12 +41,14 @@ pub(super) fn signature(documents: &Documents, document: &Document, offset: usiz
 }
 
 fn of_entry(text: &Analysis, entry: &Entry, call: &Call, active: usize) -> Value {
+    // What stands before the point is the first argument.
+    let before = usize::from(matches!(text.word_near(call.name, -1), "." | "?."));
     // The first form that what is written so far fits.
     let fitting = entry.forms.iter().enumerate().find_map(|(i, form)| {
-        let params = assigned(text, form, &call.args, false)?;
+        let params = assigned(text, form.get(before..)?, &call.args, false)?;
         let next = match params.get(active) {
-            Some(param) => *param,
-            None if active == 0 => 0,
+            Some(param) => before + *param,
+            None if active == 0 => before,
             None => return None,
         };
         Some((i, next))
@@ -62,7 +64,7 @@ fn of_entry(text: &Analysis, entry: &Entry, call: &Call, active: usize) -> Value
             })
         })
         .collect();
-    let (form, param) = fitting.unwrap_or((0, active));
+    let (form, param) = fitting.unwrap_or((0, before + active));
     json!({ "signatures": signatures, "activeSignature": form, "activeParameter": param })
 }
 
@@ -127,6 +129,8 @@ mod tests {
             ("sphere(0, 0, 0, 1^);", "radius"),
             ("light([1, 2, 3], ^", "color"),
             ("param(\"r\", 1, #{ min: ^", "options"),
+            ("picture.pixel(^", "x"),
+            ("picture.pixel(3, ^", "y"),
         ] {
             assert_eq!(help(text).unwrap().1, wanted, "{text}");
         }

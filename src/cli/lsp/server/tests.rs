@@ -18,12 +18,15 @@ fn framed(messages: &[Value]) -> Vec<u8> {
 fn served(bytes: Vec<u8>) -> (u8, Vec<Value>) {
     let mut out = Vec::new();
     let code = serve(Cursor::new(bytes), &mut out);
-    let mut from = out.as_slice();
+    (code, written(&out))
+}
+
+fn written(mut out: &[u8]) -> Vec<Value> {
     let mut answers = Vec::new();
-    while let Some(Incoming::Message(message)) = wire::read(&mut from).unwrap() {
+    while let Some(Incoming::Message(message)) = wire::read(&mut out).unwrap() {
         answers.push(message);
     }
-    (code, answers)
+    answers
 }
 
 fn opened(text: &str) -> Value {
@@ -111,6 +114,28 @@ fn what_is_no_message_is_answered_and_the_session_goes_on() {
     let codes: Vec<Option<i64>> = answers.iter().map(|a| a["error"]["code"].as_i64()).collect();
     let invalid = Some(-32_600);
     assert_eq!(codes, [Some(-32_700), invalid, invalid, invalid, invalid, None]);
+}
+
+#[test]
+fn what_is_cancelled_while_it_waits_is_not_done() {
+    let (sender, events) = mpsc::channel();
+    for message in [
+        request(1, "initialize", json!({})),
+        request(2, "textDocument/hover", json!({})),
+        wire::notification("$/cancelRequest", json!({ "id": 2 })),
+        wire::notification("$/cancelRequest", json!({ "id": 7 })),
+    ] {
+        sender.send(Event::Message(Incoming::Message(message))).unwrap();
+    }
+    drop(sender);
+    let mut out = Vec::new();
+    Server::new(&mut out, Checker::start(|_| ())).run(&events);
+    let answers = written(&out);
+    let codes: Vec<&Value> = answers.iter().map(|a| &a["error"]["code"]).collect();
+    assert_eq!(
+        (&answers[0]["id"], codes),
+        (&json!(2), vec![&json!(-32_800), &Value::Null])
+    );
 }
 
 #[test]
