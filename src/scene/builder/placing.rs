@@ -52,6 +52,16 @@ impl Placing {
         }),
     };
 
+    /// A matrix as it is; `None` where a number is beyond 1e15.
+    pub(super) fn at(matrix: DAffine3) -> Option<Self> {
+        let within = is_within(&matrix.matrix3) && max_abs(matrix.translation) <= 1e15;
+        (within && matrix.is_finite()).then_some(Self {
+            matrix,
+            id: None,
+            linear: None,
+        })
+    }
+
     /// World (or group) from object.
     pub(super) fn matrix(&self) -> &DAffine3 {
         &self.matrix
@@ -90,16 +100,7 @@ impl Placing {
 
     /// Multiplies by `m` on the right; `None`, leaving all as it was, where a number would be beyond 1e15.
     pub(super) fn multiply(&mut self, m: &DAffine3) -> Option<()> {
-        let matrix = self.matrix * *m;
-        let within = is_within(&matrix.matrix3) && max_abs(matrix.translation) <= 1e15;
-        if !within || !matrix.is_finite() {
-            return None;
-        }
-        *self = Self {
-            matrix,
-            id: None,
-            linear: None,
-        };
+        *self = Self::at(self.matrix * *m)?;
         Some(())
     }
 
@@ -175,11 +176,7 @@ mod tests {
     }
 
     fn at(matrix: DAffine3) -> Placing {
-        Placing {
-            matrix,
-            id: None,
-            linear: None,
-        }
+        Placing::at(matrix).unwrap()
     }
 
     #[test]

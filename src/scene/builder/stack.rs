@@ -96,27 +96,41 @@ impl Builder {
     /// # Errors
     /// Where it is not affine (last row 0 0 0 1), or as [`Builder::multiply`].
     pub fn mult_matrix(&mut self, rows: &[f64; 16]) -> Result<(), SceneError> {
-        if let Some(i) = rows.iter().position(|x| !x.is_finite()) {
-            return Err(SceneError::new(format!(
-                "matrix[{i}] must be a finite number, not {}",
-                rows[i]
-            )));
-        }
-        let [a, b, c, x, d, e, f, y, g, h, i, z, last @ ..] = *rows;
-        if last != [0.0, 0.0, 0.0, 1.0] {
-            return Err(
-                SceneError::new(format!("the matrix is not affine: its last row is {last:?}"))
-                    .hint("give the 16 numbers row by row; the last row must be 0, 0, 0, 1"),
-            );
-        }
-        let linear = DMat3::from_cols(DVec3::new(a, d, g), DVec3::new(b, e, h), DVec3::new(c, f, i));
-        self.multiply(DAffine3::from_mat3_translation(linear, DVec3::new(x, y, z)))
+        self.multiply(affine(rows)?)
+    }
+
+    /// Sets the current matrix to a 4x4 matrix given row by row, to the bit.
+    ///
+    /// # Errors
+    /// As [`Builder::mult_matrix`].
+    pub fn load_matrix(&mut self, rows: &[f64; 16]) -> Result<(), SceneError> {
+        self.ctm = Placing::at(affine(rows)?).ok_or_else(beyond)?;
+        Ok(())
     }
 
     /// Sets the current matrix to the identity.
     pub fn load_identity(&mut self) {
         self.ctm = Placing::IDENTITY;
     }
+}
+
+/// The matrix of 16 numbers row by row.
+fn affine(rows: &[f64; 16]) -> Result<DAffine3, SceneError> {
+    if let Some(i) = rows.iter().position(|x| !x.is_finite()) {
+        return Err(SceneError::new(format!(
+            "matrix[{i}] must be a finite number, not {}",
+            rows[i]
+        )));
+    }
+    let [a, b, c, x, d, e, f, y, g, h, i, z, last @ ..] = *rows;
+    if last != [0.0, 0.0, 0.0, 1.0] {
+        return Err(
+            SceneError::new(format!("the matrix is not affine: its last row is {last:?}"))
+                .hint("give the 16 numbers row by row; the last row must be 0, 0, 0, 1"),
+        );
+    }
+    let linear = DMat3::from_cols(DVec3::new(a, d, g), DVec3::new(b, e, h), DVec3::new(c, f, i));
+    Ok(DAffine3::from_mat3_translation(linear, DVec3::new(x, y, z)))
 }
 
 #[cold]

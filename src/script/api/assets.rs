@@ -10,7 +10,7 @@ use crate::{
     host::resolve,
     import::{Assets, load_obj, load_obj_shape, mesh_from_arrays},
     math::{DVec2, DVec3},
-    scene::{Builder, Mesh},
+    scene::{Builder, ImageTexture, Mesh, SceneError, Texels},
     script::{
         call::{Call, kind_of, number_of},
         lists::tuples,
@@ -38,9 +38,12 @@ pub(super) const ENTRIES: &[Entry] = &[
         .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.85, 0.6, 0.25);\ngroup {\n  translate(-1.2, -0.7, 0);\n  rotate(0, 1, 0, 25);\n  mesh(#{                       // a tent\n    positions: [[-1, 0, 1], [1, 0, 1], [0, 1.5, 1], [-1, 0, -1], [1, 0, -1], [0, 1.5, -1]],\n    indices: [0, 1, 2,  1, 4, 5,  1, 5, 2,  0, 2, 5,  0, 5, 3,  3, 5, 4],\n  });\n}\ndiffuse(0.2, 0.5, 0.7);\ntranslate(1.2, 0, 0); rotate(0, 1, 0, 20); scale(0.7);\nmesh(\"tetrahedron.obj\");")
         .also(&["obj", "model", "loadObj", "import", "triangleMesh"]),
     Entry::scene(Group::Assets, "image", image)
-        .takes(&[&[string("file", "a PNG or JPEG file, relative to the script that names it")]])
+        .takes(&[
+            &[string("file", "a PNG or JPEG file, relative to the script that names it")],
+            &[map("data", "width, height and pixels: colors row by row from the top")],
+        ])
         .returns("image")
-        .doc("A picture from a file. It can be looked at (.width, .height, .pixel(x, y)) and stands wherever a color of a material may; times a number or a color it is dimmed or tinted.")
+        .doc("A picture from a file, or from numbers: linear RGB of each pixel as points, as one flat list, or as a blob of floats as write_le writes them. It can be looked at (.width, .height, .pixel(x, y)) and stands wherever a color of a material may; times a number or a color it is dimmed or tinted.")
         .usage("image(\"wood.png\")")
         .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\nlet wood = image(\"wood.png\");\ndiffuse(wood);\nsphere(-1.2, 0, 0, 1.1);\ndiffuse(wood * vec3(1, 0.4, 0.3));   // stained\nsphere(1.2, 0, 0, 1.1);")
         .also(&["texture", "loadImage", "loadTexture", "picture"]),
@@ -66,6 +69,16 @@ fn with_assets<T>(
 }
 
 fn image(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    if let Some(data) = call
+        .peek()
+        .and_then(|d| d.read_lock::<Map>().map(|map| map.clone()))
+    {
+        call.any()?;
+        call.end()?;
+        return Ok(Dynamic::from(ImageValue::new(image_from_numbers(
+            call, state, &data,
+        )?)));
+    }
     let file = call.string("file")?;
     call.end()?;
     let texture = with_assets(state, &file, |path, assets, _| {
@@ -75,6 +88,43 @@ fn image(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
         Some(image) => Ok(Dynamic::from(image)),
         None => Err(call.error("file is no picture")),
     }
+}
+
+/// `image(#{ width: 2, height: 1, pixels: [1, 0, 0,  0, 1, 0] })`.
+fn image_from_numbers(call: &Call<'_, '_>, state: &State, data: &Map) -> Outcome<ImageTexture> {
+    call.known_keys(data, &["height", "pixels", "width"])?;
+    let missing = |name: &str| {
+        call.error(format!("the map needs {name}"))
+            .hint("for example image(#{ width: 2, height: 1, pixels: [[1, 0, 0], [0, 0, 1]] })")
+    };
+    let side = |name: &str| -> Outcome<u32> {
+        let d = data.get(name).ok_or_else(|| missing(name))?;
+        let n = index(call, || name.to_owned(), d)?;
+        let side = u32::try_from(n).ok().filter(|n| *n > 0);
+        let side = side.ok_or_else(|| call.error(format!("{name} must be at least 1, not {n}")))?;
+        let limit = state.limits.texture_side;
+        if side > limit {
+            let what = format!("an image of {side} texels along an edge is too large");
+            return Err(SceneError::limit(&what, "texture_side", limit).into());
+        }
+        Ok(side)
+    };
+    let (width, height) = (side("width")?, side("height")?);
+    let pixels = data.get("pixels").ok_or_else(|| missing("pixels"))?;
+    let texels = tuples::<3>(call, "pixels", pixels)?;
+    let wanted = u64::from(width) * u64::from(height);
+    if texels.len() as u64 != wanted {
+        return Err(call.error(format!(
+            "pixels has {} colors, but an image of {width} x {height} takes {wanted}",
+            texels.len()
+        )));
+    }
+    Ok(ImageTexture {
+        name: "image".to_owned(),
+        width,
+        height,
+        texels: Texels::Linear(texels),
+    })
 }
 
 fn mesh(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {

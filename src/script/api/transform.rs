@@ -1,6 +1,6 @@
 //! The matrix stack and blocks.
 
-use rhai::Array;
+use rhai::{Array, Dynamic};
 
 use super::{number, string, vec3};
 use crate::{
@@ -59,6 +59,17 @@ pub(super) const ENTRIES: &[Entry] = &[
         .usage("multMatrix([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1])")
         .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.15, 0.5, 0.4);\nrotate(0, 1, 0, -30);\nmultMatrix([1, 0.5, 0, 0,   // x leans over as y grows\n            0, 1, 0, 0,\n            0, 0, 1, 0,\n            0, 0, 0, 1]);\nbox(1.5, 2, 1);")
         .also(&["applyMatrix", "transform"]),
+    Entry::scene(Group::Transform, "loadMatrix", load_matrix)
+        .takes(&[&[Param::new(
+            "matrix",
+            Kind::Array,
+            "none",
+            "16 numbers row by row, the last row 0, 0, 0, 1, or the first 12 of them",
+        )]])
+        .doc("Sets the current matrix, to the bit, whatever it was. Inside define that is the place in the definition's own space.")
+        .usage("loadMatrix([1, 0, 0, 2, 0, 1, 0, 0, 0, 0, 1, 0])")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ntranslate(-1.5, 1, 0);\ndiffuse(0.7, 0.7, 0.7);\nsphere(0, 0, 0, 0.5);\nloadMatrix([1, 0.5, 0, 0.8,   // not where the ball is\n            0, 1, 0, -0.3,\n            0, 0, 1, 0]);\ndiffuse(0.15, 0.5, 0.4);\nbox(1, 1.4, 1);")
+        .also(&["setMatrix", "setTransform"]),
     Entry::scene(Group::Transform, "loadIdentity", load_identity)
         .doc("Sets the current matrix to the identity. Inside define that is the definition's own space.")
         .usage("loadIdentity()")
@@ -163,6 +174,28 @@ fn mult_matrix(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     DONE
 }
 
+fn load_matrix(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let given = call.any()?;
+    call.end()?;
+    let rows = rows(call, &|| "matrix".to_owned(), given)?;
+    state.builder.load_matrix(&rows)?;
+    DONE
+}
+
+/// A matrix of 16 numbers row by row, or of the first 12.
+fn rows(call: &Call<'_, '_>, name: &dyn Fn() -> String, d: &Dynamic) -> Outcome<[f64; 16]> {
+    let twelve = d.read_lock::<Array>().is_some_and(|rows| rows.len() == 12);
+    if !twelve {
+        return tuple(call, name, d).map_err(|e| e.hint(ROW_BY_ROW));
+    }
+    let rows: [f64; 12] = tuple(call, name, d)?;
+    let mut all = [0.0; 16];
+    for (to, x) in all.iter_mut().zip(rows.into_iter().chain([0.0, 0.0, 0.0, 1.0])) {
+        *to = x;
+    }
+    Ok(all)
+}
+
 fn load_identity(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     call.end()?;
     state.builder.load_identity();
@@ -180,18 +213,7 @@ fn instances(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     let name = call.string("name")?;
     let given = call.any()?;
     call.end()?;
-    let matrices = tuples_with::<16>(call, "matrices", given, |name, d| {
-        let twelve = d.read_lock::<Array>().is_some_and(|rows| rows.len() == 12);
-        if !twelve {
-            return tuple(call, name, d).map_err(|e| e.hint(ROW_BY_ROW));
-        }
-        let rows: [f64; 12] = tuple(call, name, d)?;
-        let mut all = [0.0; 16];
-        for (to, x) in all.iter_mut().zip(rows.into_iter().chain([0.0, 0.0, 0.0, 1.0])) {
-            *to = x;
-        }
-        Ok(all)
-    })?;
+    let matrices = tuples_with::<16>(call, "matrices", given, |name, d| rows(call, name, d))?;
     state.builder.instances(&name, &matrices)?;
     DONE
 }
