@@ -139,9 +139,17 @@ pub fn save_with(path: &Path, image: &Image, recipe: &Recipe) -> Result<(), Host
 /// # Errors
 /// `Output`, naming the path and the system's reason.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), HostError> {
+    write_atomically_with(path, |file| file.write_all(bytes))
+}
+
+/// As [`write_atomically`], all of what `write` writes.
+pub(crate) fn write_atomically_with(
+    path: &Path,
+    write: impl FnOnce(&mut fs::File) -> io::Result<()>,
+) -> Result<(), HostError> {
     let write = || -> io::Result<()> {
         let (mut temporary, mut file) = Temporary::beside(path)?;
-        file.write_all(bytes)?;
+        write(&mut file)?;
         file.sync_all()?;
         drop(file);
         temporary.rename_to(path)?;

@@ -5,7 +5,7 @@ use crate::{
     host::Host,
     import,
     limits::Limits,
-    scene::Builder,
+    scene::{AssetFiles, Builder},
     script::{Run, RunOptions, Script},
 };
 
@@ -120,6 +120,7 @@ fn load_course(name: &str, text: &str, limits: &Limits, options: &RunOptions) ->
         scene,
         pictures: Vec::new(),
         parameters: Vec::new(),
+        files: AssetFiles::default(),
         calls: Vec::new(),
     };
     Ok(Report { value: run, warnings })

@@ -7,6 +7,7 @@ mod args;
 mod blame;
 mod check;
 mod convert;
+mod expand;
 mod guard;
 mod hash;
 mod help;
@@ -70,6 +71,9 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
     };
     match cli.command {
         Some(Command::Convert(args)) => context.finish(false, |_, _| convert::convert(&args)),
+        Some(Command::Expand(args)) => context.finish(args.quiet, |signals, reporter| {
+            expand::expand(&args, signals, reporter)
+        }),
         Some(Command::New(args)) => context.finish(false, |_, reporter| new::new(&args, reporter)),
         Some(Command::Check(args)) => context.answer(args.quiet, |signals, reporter| {
             check::check(&args, signals, reporter)

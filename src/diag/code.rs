@@ -82,6 +82,7 @@ codes! {
     UnreachedLine "unreached-line" Warning "The run came by this line at no time: a condition never held, a loop had nothing to run through, or a function was never called."
     ExchangedArguments "exchanged-arguments" Warning "Two arguments look as if each were meant for the other's place. `rtscript help NAME` shows the order."
     InvalidSamples "invalid-samples" Warning "Some rays came back with a color that is no finite number and count as black. Colors or lights are beyond 1e150."
+    InexactText "inexact-text" Warning "The flat text of a scene does not give the very same picture, or not in this place; the message says why."
     IgnoredInput "ignored-input" Warning "A file holds something that is left out, so the picture may lack what other programs show."
 }
 

@@ -7,7 +7,7 @@ use crate::{
     diag::{Diagnostic, ErrorKind},
     host::Host,
     limits::Limits,
-    scene::{Mesh, SceneError, Texture},
+    scene::{AssetFiles, Mesh, MeshFile, MeshId, Scene, SceneError, Texture, TextureId},
 };
 
 /// Bytes of a path; systems take no more, and messages repeat it.
@@ -39,6 +39,31 @@ impl AssetCache {
     #[must_use]
     pub fn files(&self) -> usize {
         self.files
+    }
+
+    /// Which of its files stand behind the textures and meshes of a scene that was built from them.
+    pub(crate) fn files_of(&self, scene: &Scene) -> AssetFiles {
+        let textures: BTreeMap<_, _> = self
+            .textures
+            .iter()
+            .map(|(path, texture)| (Arc::as_ptr(texture), path))
+            .collect();
+        let meshes: BTreeMap<_, _> = self
+            .meshes
+            .iter()
+            .map(|((path, light), mesh)| (Arc::as_ptr(mesh), (path, light.is_some())))
+            .collect();
+        let of_texture =
+            |(id, texture)| Some((TextureId(id), (*textures.get(&Arc::as_ptr(texture))?).clone()));
+        let of_mesh = |(id, mesh)| {
+            let (path, with_materials) = *meshes.get(&Arc::as_ptr(mesh))?;
+            let path = path.clone();
+            Some((MeshId(id), MeshFile { path, with_materials }))
+        };
+        AssetFiles {
+            textures: (0..).zip(&scene.textures).filter_map(of_texture).collect(),
+            meshes: (0..).zip(&scene.meshes).filter_map(of_mesh).collect(),
+        }
     }
 
     /// Bytes read so far.

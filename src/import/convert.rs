@@ -1,7 +1,5 @@
 //! From the course's scene format to a script that gives the same picture.
 
-use std::fmt;
-
 use super::{
     command::Command,
     course::load_course,
@@ -10,7 +8,10 @@ use super::{
 use crate::{
     diag::{Diagnostic, ErrorKind},
     math::DVec3,
-    scene::Builder,
+    scene::{
+        Builder,
+        literal::{Components, Number, Vector},
+    },
 };
 
 /// Triangles in a row from which on they are written as a table and a loop.
@@ -261,71 +262,9 @@ fn call(command: &Command<'_>) -> Option<String> {
     })
 }
 
-/// `[x, y, z]`.
-struct Vector(DVec3);
-
-impl fmt::Display for Vector {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "[{}]", Components(self.0))
-    }
-}
-
-/// `x, y, z`.
-struct Components(DVec3);
-
-impl fmt::Display for Components {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let DVec3 { x, y, z } = self.0;
-        write!(f, "{}, {}, {}", Number(x), Number(y), Number(z))
-    }
-}
-
-/// A number of at most 1e15 as a literal that reads back as the same bits.
-struct Number(f64);
-
-impl fmt::Display for Number {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let x = self.0;
-        if x == 0.0 && x.is_sign_negative() {
-            // A whole number has no negative zero.
-            f.write_str("-0.0")
-        } else if x != 0.0 && x.abs() < 1e-5 {
-            write!(f, "{x:e}")
-        } else {
-            write!(f, "{x}")
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_read_back_as_the_same_bits() {
-        for x in [
-            0.0,
-            -0.0,
-            1.0,
-            -1.0,
-            0.1,
-            1.0 / 3.0,
-            -2.5e-7,
-            5e-324,
-            1e15,
-            999_999_999_999_999.9,
-            1e-5,
-        ] {
-            let text = Number(x).to_string();
-            assert_eq!(text.parse::<f64>().unwrap().to_bits(), x.to_bits(), "{text}");
-            assert!(
-                text.len() < 25 && !text.starts_with('.') && !text.ends_with('.'),
-                "{text}"
-            );
-        }
-        assert_eq!(Number(3.0).to_string(), "3");
-        assert_eq!(Number(-2.5e-7).to_string(), "-2.5e-7");
-    }
 
     #[test]
     fn comments_begin_where_a_word_begins() {

@@ -170,6 +170,9 @@ fn render_here(scene: &Scene, options: &RenderOptions, host: &dyn Host) -> Resul
         false => tiles::trace(&world, &scene.settings, options, host),
     };
     let (primitives, world_bytes) = (world.primitives(), world.bytes());
+    if let Some((image, _)) = &traced {
+        warnings.extend(inspect::after(&world, image, &warnings));
+    }
     if let Some(trees) = &options.trees {
         trees.take_back(world);
     }
@@ -187,7 +190,6 @@ fn render_here(scene: &Scene, options: &RenderOptions, host: &dyn Host) -> Resul
         compile,
         trace: tracing.elapsed(),
     };
-    warnings.extend(inspect::after(&world, &image, &warnings));
     warnings.extend(invalid_samples(counts.invalid));
     Ok(Report {
         value: Rendered { image, stats },

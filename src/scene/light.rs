@@ -1,6 +1,10 @@
 //! Lights.
 
-use crate::{color::Color, diag::SourceLoc, math::DVec3};
+use crate::{
+    color::Color,
+    diag::SourceLoc,
+    math::{DAffine3, DVec3},
+};
 
 /// Fall-off of a point light with the distance d in world units: 1 / (constant + linear d + quadratic d^2).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +63,44 @@ pub enum LightKind {
         /// Fall-off of each point.
         attenuation: Attenuation,
     },
+}
+
+impl LightKind {
+    /// The light in the space that `m` leads to; `None` where its direction becomes zero.
+    pub(crate) fn placed(&self, m: &DAffine3) -> Option<Self> {
+        Some(match *self {
+            Self::Point {
+                position,
+                attenuation,
+            } => Self::Point {
+                position: m.transform_point3(position),
+                attenuation,
+            },
+            Self::Directional { direction } => {
+                let turned = m.transform_vector3(direction);
+                let length = turned.length();
+                if !(length > 0.0) {
+                    return None;
+                }
+                Self::Directional {
+                    direction: turned / length,
+                }
+            }
+            Self::Area {
+                corner,
+                edge1,
+                edge2,
+                n,
+                attenuation,
+            } => Self::Area {
+                corner: m.transform_point3(corner),
+                edge1: m.transform_vector3(edge1),
+                edge2: m.transform_vector3(edge2),
+                n,
+                attenuation,
+            },
+        })
+    }
 }
 
 /// A light.

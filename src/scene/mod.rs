@@ -11,9 +11,11 @@ mod edition;
 mod error;
 mod hash;
 mod light;
+pub(crate) mod literal;
 mod material;
 mod mesh;
 mod settings;
+mod source;
 mod texture;
 mod validate;
 
@@ -25,6 +27,8 @@ pub use light::{Attenuation, Light, LightKind};
 pub use material::{Material, Term};
 pub use mesh::{Attribute, Mesh};
 pub use settings::{Encoding, Settings};
+pub use source::AssetFiles;
+pub(crate) use source::{MeshFile, write as write_source};
 pub use texture::{ImageTexture, Texels, Texture};
 
 use std::{collections::BTreeMap, sync::Arc};

@@ -29,6 +29,7 @@ pub use vocabulary::{CONSTANTS, Constant, EXAMPLE_FILES, PROPERTIES, Property};
 use std::{
     any::Any,
     collections::BTreeMap,
+    fmt,
     panic::{AssertUnwindSafe, catch_unwind},
     sync::{Arc, atomic::AtomicBool},
     thread,
@@ -43,7 +44,7 @@ use crate::{
     limits::Limits,
     parameters::{Declared, Parameters},
     render::{Image, RenderOptions, RenderStats},
-    scene::{GroupId, Scene},
+    scene::{self, AssetFiles, GroupId, Scene},
 };
 use link::{Caller, Remote, StopOnDrop};
 use session::{Running, Source, State, Watch};
@@ -109,8 +110,43 @@ pub struct Run {
     pub pictures: Vec<Picture>,
     /// The parameters that it declared, in order.
     pub parameters: Vec<Declared>,
+    /// Which files stand behind the scene's textures and meshes.
+    pub(crate) files: AssetFiles,
     /// Where the run ended at a call that was looked for, how it came there.
     pub(crate) calls: Vec<CallSite>,
+}
+
+impl Run {
+    /// Writes the scene as a script of its own, which gives a scene of the same [`Scene::hash`]: the language's own
+    /// calls, one entity a line, without loops, variables or functions; textures stand in constants, so that what shares
+    /// one shares it. Instances stay instances. Files that the scene was made from are named as they are, relative to
+    /// the folder of the scene, so the text belongs there.
+    ///
+    /// With `places` each line that makes something ends in a comment that says where the scene's script makes it.
+    /// Without, the text depends on nothing but the scene and the names of its groups and files.
+    ///
+    /// ```
+    /// use rtscript::{Limits, NoHost, RunOptions, Script};
+    /// let text = "for x in 0..2 { sphere(x, 0, 0, 0.5); }";
+    /// let script = Script::compile("a.rhai", text, &Limits::default())?;
+    /// let run = script.run(&NoHost, &RunOptions::default())?.value;
+    /// let mut flat = String::new();
+    /// let _ = run.write_source(true, &mut flat);
+    /// assert!(flat.ends_with("sphere(0, 0, 0, 0.5); // a.rhai:1:17\nsphere(1, 0, 0, 0.5); // a.rhai:1:17\n"));
+    /// # Ok::<(), rtscript::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Whatever `out` answers.
+    pub fn write_source(&self, places: bool, out: &mut dyn fmt::Write) -> fmt::Result {
+        scene::write_source(&self.scene, &self.files, places, out)
+    }
+
+    /// Which files stand behind the scene's textures and meshes.
+    #[must_use]
+    pub fn files(&self) -> &AssetFiles {
+        &self.files
+    }
 }
 
 /// A place in a script from which something was called.
@@ -347,6 +383,7 @@ impl Script {
             pictures,
             parameters,
             ran,
+            assets,
             ..
         } = state;
         warnings.extend(builder.take_warnings());
@@ -383,6 +420,7 @@ impl Script {
             }),
             None => Ok(Report {
                 value: Run {
+                    files: assets.files_of(&report.value),
                     scene: report.value,
                     pictures,
                     parameters,

@@ -1,4 +1,4 @@
-//! Commands that make pictures from pictures or parameters, and scenes: `sweep rerun verify new`.
+//! Commands that make pictures from pictures or parameters, and scenes: `sweep rerun verify new expand`.
 
 use std::path::PathBuf;
 
@@ -17,6 +17,36 @@ pub(in crate::cli) struct NewArgs {
     /// Name of the scene: without an ending, .rhai is added
     #[arg(value_name = "NAME")]
     pub(in crate::cli) name: PathBuf,
+}
+
+pub(super) const AFTER_EXPAND: &str = "\
+Examples:
+  rtscript expand scene.rhai                     every object that the script makes, a line each
+  rtscript expand scene.rhai -o flat.rhai        the same in a file, which rtscript renders to the same pixels
+  rtscript expand scene.rhai --no-places         without the lines that made them, to be compared with another
+
+Pictures and models stay files, relative to the scene's folder: a text that names some belongs into it.";
+
+#[derive(Debug, Args)]
+pub(in crate::cli) struct ExpandArgs {
+    /// The scene: a script (.rhai) or a course scene (.test), or - for a script on standard input
+    #[arg(value_name = "FILE")]
+    pub(in crate::cli) file: PathBuf,
+
+    /// The script to write [default: standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub(in crate::cli) output: Option<PathBuf>,
+
+    /// Leave out which line of the scene made what
+    #[arg(long)]
+    pub(in crate::cli) no_places: bool,
+
+    #[command(flatten)]
+    pub(in crate::cli) overrides: Overrides,
+
+    /// Only errors
+    #[arg(short, long)]
+    pub(in crate::cli) quiet: bool,
 }
 
 #[derive(Debug, Args)]

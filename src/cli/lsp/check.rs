@@ -17,7 +17,7 @@ use crate::{
     diag::{Diagnostic, Error, ErrorKind},
     host::{self, Host, HostError},
     limits::Limits,
-    render::Image,
+    render::{Image, inspect},
     script::RunOptions,
     source,
 };
@@ -204,17 +204,23 @@ fn diagnose(name: &str, text: &str, host: &OpenHost<'_>) -> (Vec<Diagnostic>, bo
         ..Limits::default()
     };
     let options = RunOptions {
-        size: Some((1, 1)),
-        samples: Some(1),
+        dry: true,
+        lint: true,
         ..RunOptions::default()
     };
-    let run = guard::guarded(|| source::load(name, text, host, &limits, &options));
-    match run {
-        Ok(report) => (report.warnings, false),
+    let looked = guard::guarded(|| {
+        let run = source::load(name, text, host, &limits, &options)?;
+        let mut found = run.warnings;
+        found.extend(inspect(&run.value.scene, host)?);
+        Ok(found)
+    });
+    match looked {
+        Ok(found) => (found, false),
         Err(error) if host.is_late() && ends_by_time(&error) => (error.warnings, true),
         Err(error) => {
+            let errors: Vec<Diagnostic> = error.all().cloned().collect();
             let mut found = error.warnings;
-            found.push(*error.diagnostic);
+            found.extend(errors);
             (found, false)
         }
     }

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::{check::Checked, documents::Document, text::word_at, uri};
 use crate::{
-    diag::{Diagnostic, Severity},
+    diag::{Code, Diagnostic, Severity},
     script::analysis::is_word,
 };
 
@@ -86,8 +86,13 @@ fn one(document: &Document, d: &Diagnostic) -> Published {
         "range": document.span(&range),
         "severity": match d.severity { Severity::Error => 1, Severity::Warning => 2 },
         "source": "rtscript",
+        "code": d.code.name(),
         "message": message,
     });
+    // What an editor shows faded.
+    if d.code == Code::UnreachedLine {
+        shown["tags"] = json!([1]);
+    }
     if !related.is_empty() {
         shown["relatedInformation"] = Value::Array(related);
     }
@@ -269,7 +274,7 @@ mod tests {
 
     #[test]
     fn an_empty_scene_is_no_fault_of_a_module() {
-        let warning = || vec![Diagnostic::warning("the scene is empty")];
+        let warning = || vec![Diagnostic::warning(Code::EmptyScene, "the scene is empty")];
         assert!(of("fn f() { }", warning()).1.is_empty());
         assert_eq!(of("let a = 1; print(a);", warning()).1.len(), 1);
     }

@@ -249,6 +249,7 @@ impl Session {
             ProgressLine::new(self.screen.is_none() && self.reporter.is_for_people()),
             false,
             self.with_recipe.then(recipe),
+            (self.reporter, text),
         );
         WatchHost::new(self, inner)
     }

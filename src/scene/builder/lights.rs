@@ -91,40 +91,10 @@ impl Builder {
         if self.lights >= self.limits.lights {
             return Err(SceneError::limit("too many lights", "lights", self.limits.lights));
         }
-        let m = self.ctm.matrix();
-        let kind = match kind {
-            LightKind::Point {
-                position,
-                attenuation,
-            } => LightKind::Point {
-                position: m.transform_point3(position),
-                attenuation,
-            },
-            LightKind::Directional { direction } => {
-                let turned = m.transform_vector3(direction);
-                let length = turned.length();
-                if !(length > 0.0) {
-                    return Err(SceneError::new("the light's direction is zero")
-                        .hint("directional(direction, color): the direction points towards the light"));
-                }
-                LightKind::Directional {
-                    direction: turned / length,
-                }
-            }
-            LightKind::Area {
-                corner,
-                edge1,
-                edge2,
-                n,
-                attenuation,
-            } => LightKind::Area {
-                corner: m.transform_point3(corner),
-                edge1: m.transform_vector3(edge1),
-                edge2: m.transform_vector3(edge2),
-                n,
-                attenuation,
-            },
-        };
+        let kind = kind.placed(self.ctm.matrix()).ok_or_else(|| {
+            SceneError::new("the light's direction is zero")
+                .hint("directional(direction, color): the direction points towards the light")
+        })?;
         self.lights += 1;
         self.group.lights.push(Light {
             kind,

@@ -11,7 +11,7 @@ mod tokens;
 use std::{
     collections::{BTreeMap, BTreeSet},
     ops::Range,
-    sync::{Arc, LazyLock},
+    sync::Arc,
 };
 
 pub(crate) use calls::{Call, assigned};

@@ -1,0 +1,627 @@
+//! A scene as a script of its own: one entity a line, without loops, variables or functions.
+
+mod lights;
+mod order;
+
+use std::{
+    collections::BTreeMap,
+    fmt::{self, Display, Write},
+};
+
+use self::order::{NEVER, Order, names, next_uses, own_lights};
+use super::{
+    Attenuation, Encoding, Geometry, Group, ImageTexture, LightKind, Material, MaterialId, Mesh, MeshId,
+    Object, ROOT_GROUP, Scene, Term, Texels, Texture, TextureId, TransformId,
+    literal::{Components, Number, Text, Vector},
+};
+use crate::{diag::SourceLoc, math::DAffine3, shape::Shape};
+
+/// The files that textures and meshes of a scene were read from, as the host knows them: relative to the folder of the
+/// script.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct AssetFiles {
+    pub(crate) textures: BTreeMap<TextureId, String>,
+    pub(crate) meshes: BTreeMap<MeshId, MeshFile>,
+}
+
+impl AssetFiles {
+    /// True where the scene is made of its script alone.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.textures.is_empty() && self.meshes.is_empty()
+    }
+}
+
+/// The file that a mesh was read from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct MeshFile {
+    pub(crate) path: String,
+    /// Its materials were read, too.
+    pub(crate) with_materials: bool,
+}
+
+/// Writes the scene as a script, each object after its place where `places` says so; see
+/// [`Run::write_source`](crate::script::Run::write_source).
+pub(crate) fn write(scene: &Scene, files: &AssetFiles, places: bool, out: &mut dyn Write) -> fmt::Result {
+    let mut writer = Writer {
+        scene,
+        files,
+        places,
+        out,
+        names: names(scene),
+        order: Order::new(scene),
+        is_named: is_named(scene),
+        next_texture: 0,
+        latest: vec![NEVER; scene.transforms.len()],
+        material: None,
+        attenuation: Attenuation::default(),
+        depth: 0,
+    };
+    writer.settings()?;
+    writer.textures()?;
+    writer.out.write_char('\n')?;
+    let bound = scene.groups.len();
+    writer.group(scene.root(), bound)?;
+    writer.defines_before(bound)?;
+    writer.register_textures(scene.textures.len())
+}
+
+struct Writer<'a> {
+    scene: &'a Scene,
+    files: &'a AssetFiles,
+    places: bool,
+    out: &'a mut dyn Write,
+    /// Names of the groups.
+    names: Vec<String>,
+    order: Order,
+    /// For each texture whether objects name it themselves, or nothing does: not those that only files bring.
+    is_named: Vec<bool>,
+    /// The first texture that no material has had yet.
+    next_texture: usize,
+    /// For [`next_uses`].
+    latest: Vec<u32>,
+    /// The current material where it is known.
+    material: Option<MaterialId>,
+    attenuation: Attenuation,
+    /// Blocks and saved matrices around the line.
+    depth: usize,
+}
+
+/// A matrix that is saved because more objects than one stand under it.
+struct Saved {
+    transform: TransformId,
+    /// The next object under it.
+    next: u32,
+}
+
+impl Writer<'_> {
+    /// Writes a line: indentation, what `write` writes, the place.
+    fn line(&mut self, write: impl FnOnce(&mut dyn Write) -> fmt::Result, loc: SourceLoc) -> fmt::Result {
+        for _ in 0..self.depth.min(8) {
+            self.out.write_str("    ")?;
+        }
+        write(self.out)?;
+        if self.places && loc.line > 0 {
+            let file = self.scene.files.get(usize::from(loc.file));
+            let file = file.map_or("", String::as_str).replace(char::is_control, " ");
+            write!(self.out, " // {file}:{}", loc.line)?;
+            if loc.column > 0 {
+                write!(self.out, ":{}", loc.column)?;
+            }
+        }
+        self.out.write_char('\n')
+    }
+
+    fn call(&mut self, call: impl Display) -> fmt::Result {
+        self.line(|out| write!(out, "{call}"), SourceLoc::default())
+    }
+
+    fn settings(&mut self) -> fmt::Result {
+        let (s, c) = (&self.scene.settings, &self.scene.camera);
+        let encoding = match s.encoding {
+            Encoding::Srgb => "srgb",
+            Encoding::Raw => "raw",
+        };
+        self.call(format_args!("edition({});", s.edition()))?;
+        self.call(format_args!("size({}, {});", s.width, s.height))?;
+        self.call(format_args!("samples({});", s.samples))?;
+        self.call(format_args!("maxDepth({});", s.max_depth))?;
+        match s.seed.cast_signed() {
+            // The one number that has no literal of its own.
+            i64::MIN => self.call(format_args!("seed({} - 1);", i64::MIN + 1))?,
+            seed => self.call(format_args!("seed({seed});"))?,
+        }
+        self.call(format_args!("background({});", Components(s.background)))?;
+        self.call(format_args!("encoding(\"{encoding}\");"))?;
+        self.call(format_args!(
+            "camera({}, {}, {}, {});",
+            Vector(c.eye),
+            Vector(c.at),
+            Vector(c.up),
+            Number(c.fovy)
+        ))
+    }
+
+    /// A constant for each texture but those that the files of meshes bring with them: what shares a texture goes on
+    /// sharing it.
+    fn textures(&mut self) -> fmt::Result {
+        let scene = self.scene;
+        let of_files = scene
+            .textures
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| self.is_named.get(*i) == Some(&true));
+        let named: Vec<_> = of_files.collect();
+        if !named.is_empty() {
+            self.out.write_char('\n')?;
+        }
+        for (i, texture) in named {
+            let id = TextureId(u32::try_from(i).unwrap_or(u32::MAX));
+            match (&**texture, self.files.textures.get(&id)) {
+                (_, Some(path)) => self.call(format_args!("const texture_{i} = image({});", Text(path)))?,
+                (Texture::Checker { even, odd, size }, None) => self.call(format_args!(
+                    "const texture_{i} = checker({}, {}, {});",
+                    Vector(*even),
+                    Vector(*odd),
+                    Number(*size)
+                ))?,
+                (Texture::Image(image), None) => self.image(i, image)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// A picture that no file holds.
+    fn image(&mut self, i: usize, image: &ImageTexture) -> fmt::Result {
+        let (width, height) = (image.width, image.height);
+        self.call(format_args!(
+            "const texture_{i} = image(#{{ width: {width}, height: {height}, pixels: ["
+        ))?;
+        match &image.texels {
+            Texels::Linear(texels) => {
+                for [r, g, b] in texels {
+                    self.call(format_args!(
+                        "    {}, {}, {},",
+                        Number(*r),
+                        Number(*g),
+                        Number(*b)
+                    ))?;
+                }
+            }
+            Texels::Srgb8(_) => {
+                for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+                    self.call(format_args!("    {},", Components(image.texel(x, y))))?;
+                }
+            }
+        }
+        self.call("] });")
+    }
+
+    /// The textures before number `end` that nothing has yet get their numbers.
+    fn register_textures(&mut self, end: usize) -> fmt::Result {
+        while self.next_texture < end {
+            let i = self.next_texture;
+            if self.is_named.get(i) == Some(&true) {
+                self.call(format_args!("group {{ emission(texture_{i}); }}"))?;
+            }
+            self.next_texture += 1;
+        }
+        Ok(())
+    }
+
+    /// Lights, objects and the groups among them.
+    fn group(&mut self, group: &Group, bound: usize) -> fmt::Result {
+        let next = next_uses(group, &mut self.latest);
+        let mut lights = own_lights(self.scene, group).into_iter();
+        self.lights(group, lights.next())?;
+        let mut saved: Vec<Saved> = Vec::new();
+        for (object, next) in group.objects.iter().zip(next) {
+            while self.order.next_group < bound && !self.order.has_come(self.scene, object) {
+                let id = self.order.next_define(self.scene, bound);
+                self.define(id)?;
+            }
+            self.placed(&mut saved, object, next)?;
+            self.order.see(self.scene, object);
+            if order::brought(self.scene, object).is_some() {
+                self.lights(group, lights.next())?;
+            }
+        }
+        self.restore(&mut saved, 0)
+    }
+
+    fn defines_before(&mut self, bound: usize) -> fmt::Result {
+        while self.order.next_group < bound {
+            let id = self.order.next_define(self.scene, bound);
+            self.define(id)?;
+        }
+        Ok(())
+    }
+
+    fn define(&mut self, id: usize) -> fmt::Result {
+        let scene = self.scene;
+        let (Some(group), Some(name)) = (scene.groups.get(id), self.names.get(id)) else {
+            self.order.next_group = id + 1;
+            return Ok(());
+        };
+        debug_assert!(id != ROOT_GROUP.index());
+        let head = format!("define {} {{", Text(name));
+        self.line(|out| out.write_str(&head), group.loc)?;
+        let outside = self.material.take();
+        self.depth += 1;
+        self.group(group, id)?;
+        self.defines_before(id)?;
+        self.depth -= 1;
+        self.material = outside;
+        self.order.next_group = id + 1;
+        self.call("}")
+    }
+
+    /// An object under its matrix.
+    fn placed(&mut self, saved: &mut Vec<Saved>, object: &Object, next: u32) -> fmt::Result {
+        let id = object.transform;
+        if let Some(at) = saved.iter().rposition(|s| s.transform == id) {
+            self.restore(saved, at + 1)?;
+            if let Some(saved) = saved.last_mut() {
+                saved.next = next;
+            }
+            self.material(object)?;
+            return self.object(None, object);
+        }
+        let needed = saved.iter().rposition(|s| s.next != NEVER).map_or(0, |i| i + 1);
+        self.restore(saved, needed)?;
+        if id == TransformId::IDENTITY {
+            self.material(object)?;
+            let matrix = (!saved.is_empty()).then_some("loadIdentity();".to_owned());
+            return self.object(matrix.as_deref(), object);
+        }
+        let load = Load(&self.scene.world_from_object(object)).to_string();
+        if next == NEVER {
+            self.material(object)?;
+            return self.object(Some(&load), object);
+        }
+        self.call(format_args!("pushTransform(); {load}"))?;
+        self.depth += 1;
+        saved.push(Saved { transform: id, next });
+        self.material(object)?;
+        self.object(None, object)
+    }
+
+    /// Goes back to where `depth` matrices are saved.
+    fn restore(&mut self, saved: &mut Vec<Saved>, depth: usize) -> fmt::Result {
+        while saved.len() > depth {
+            saved.pop();
+            self.depth = self.depth.saturating_sub(1);
+            self.call("popTransform();")?;
+        }
+        Ok(())
+    }
+
+    /// The material of an object, where it is not the current one.
+    fn material(&mut self, object: &Object) -> fmt::Result {
+        let material = self.scene.materials.get(object.material.index());
+        let Some(material) = material.filter(|_| self.material != Some(object.material)) else {
+            return Ok(());
+        };
+        self.material = Some(object.material);
+        let new: Vec<usize> = terms(material).flatten().map(|id| id.index()).collect();
+        let mut numbers = self.next_texture;
+        for i in new.iter().copied().filter(|i| *i >= self.next_texture) {
+            numbers += usize::from(i == numbers);
+        }
+        let end = new.iter().max().map_or(0, |last| last + 1);
+        if numbers < end {
+            self.register_textures(end)?;
+        }
+        self.next_texture = self.next_texture.max(end);
+        let Material {
+            ambient,
+            emission,
+            diffuse,
+            specular,
+            shininess,
+            reflection,
+            transmission,
+            ior,
+        } = material;
+        let reflection = reflection.map_or("()".to_owned(), |term| Said(term).to_string());
+        self.call(format_args!(
+            "material(#{{ ambient: {}, emission: {}, diffuse: {}, specular: {}, shininess: {}, \
+             reflection: {reflection}, transmission: {}, ior: {} }});",
+            Said(*ambient),
+            Said(*emission),
+            Said(*diffuse),
+            Said(*specular),
+            Number(*shininess),
+            Said(*transmission),
+            Number(*ior)
+        ))
+    }
+
+    /// An object, under a matrix of its own where `load` sets one.
+    fn object(&mut self, load: Option<&str>, object: &Object) -> fmt::Result {
+        let scene = self.scene;
+        let mesh = match object.geometry {
+            Geometry::Mesh(id) => scene
+                .meshes
+                .get(id.index())
+                .map(|mesh| (mesh, self.files.meshes.get(&id))),
+            _ => None,
+        };
+        if let Some((_, Some(file))) = mesh {
+            self.skip_textures_of(object);
+            let options = if file.with_materials {
+                ""
+            } else {
+                ", #{ materials: false }"
+            };
+            let call = format!("mesh({}{options});", Text(&file.path));
+            return self.under(load, &call, object.loc);
+        }
+        if let Some((mesh, None)) = mesh {
+            self.under_begin(load)?;
+            self.mesh(mesh)?;
+            return self.under_end(load, object.loc);
+        }
+        let call = Call {
+            scene,
+            object,
+            names: &self.names,
+        }
+        .to_string();
+        self.under(load, &call, object.loc)
+    }
+
+    fn under(&mut self, load: Option<&str>, call: &str, loc: SourceLoc) -> fmt::Result {
+        self.line(
+            |out| match load {
+                Some(load) => write!(out, "group {{ {load} {call} }}"),
+                None => out.write_str(call),
+            },
+            loc,
+        )
+    }
+
+    fn under_begin(&mut self, load: Option<&str>) -> fmt::Result {
+        match load {
+            Some(load) => self.call(format_args!("group {{ {load} mesh(#{{")),
+            None => self.call("mesh(#{"),
+        }
+    }
+
+    fn under_end(&mut self, load: Option<&str>, loc: SourceLoc) -> fmt::Result {
+        self.line(
+            |out| out.write_str(if load.is_some() { "}); }" } else { "});" }),
+            loc,
+        )
+    }
+
+    /// The textures of a mesh's own materials get their numbers as it is read.
+    fn skip_textures_of(&mut self, object: &Object) {
+        let Geometry::Mesh(id) = object.geometry else {
+            return;
+        };
+        if !self.order.is_new_mesh(id) {
+            return;
+        }
+        let scene = self.scene;
+        let faces = scene
+            .meshes
+            .get(id.index())
+            .into_iter()
+            .flat_map(|mesh| &mesh.face_materials);
+        for id in faces {
+            for texture in scene
+                .materials
+                .get(id.index())
+                .into_iter()
+                .flat_map(terms)
+                .flatten()
+            {
+                self.next_texture = self.next_texture.max(texture.index() + 1);
+            }
+        }
+    }
+
+    /// The lists of a mesh, a vertex or a triangle a line.
+    fn mesh(&mut self, mesh: &Mesh) -> fmt::Result {
+        self.list("positions", mesh.positions.iter().map(|p| Components(*p)))?;
+        let triple = |[a, b, c]: &[u32; 3]| format!("{a}, {b}, {c}");
+        self.list("indices", mesh.triangles.iter().map(triple))?;
+        if let Some(normals) = &mesh.normals {
+            self.list("normals", normals.values.iter().map(|n| Components(*n)))?;
+        }
+        if let Some(uvs) = &mesh.uvs {
+            let pair = |uv: &crate::math::DVec2| format!("{}, {}", Number(uv.x), Number(uv.y));
+            self.list("uvs", uvs.values.iter().map(pair))?;
+        }
+        Ok(())
+    }
+
+    fn list(&mut self, name: &str, items: impl Iterator<Item = impl Display>) -> fmt::Result {
+        self.call(format_args!("    {name}: ["))?;
+        for item in items {
+            self.call(format_args!("        {item},"))?;
+        }
+        self.call("    ],")
+    }
+
+    fn lights(&mut self, group: &Group, part: Option<std::ops::Range<usize>>) -> fmt::Result {
+        let lights = part.and_then(|part| group.lights.get(part)).unwrap_or(&[]);
+        for light in lights {
+            let (matrix, kind) = lights::arguments(&light.kind);
+            let attenuation = match kind {
+                LightKind::Point { attenuation, .. } | LightKind::Area { attenuation, .. } => attenuation,
+                LightKind::Directional { .. } => self.attenuation,
+            };
+            if attenuation != self.attenuation {
+                self.attenuation = attenuation;
+                let Attenuation {
+                    constant,
+                    linear,
+                    quadratic,
+                } = attenuation;
+                self.call(format_args!(
+                    "attenuation({}, {}, {});",
+                    Number(constant),
+                    Number(linear),
+                    Number(quadratic)
+                ))?;
+            }
+            let color = Vector(light.color);
+            let call = match kind {
+                LightKind::Point { position, .. } => format!("light({}, {color});", Vector(position)),
+                LightKind::Directional { direction } => {
+                    format!("directional({}, {color});", Vector(direction))
+                }
+                LightKind::Area {
+                    corner,
+                    edge1,
+                    edge2,
+                    n,
+                    ..
+                } => format!(
+                    "areaLight({}, {}, {}, {color}, {n});",
+                    Vector(corner),
+                    Vector(edge1),
+                    Vector(edge2)
+                ),
+            };
+            let load = matrix.map(|matrix| Load(&matrix).to_string());
+            self.under(load.as_deref(), &call, light.loc)?;
+        }
+        Ok(())
+    }
+}
+
+/// See [`Writer::is_named`].
+fn is_named(scene: &Scene) -> Vec<bool> {
+    let used = |materials: &mut dyn Iterator<Item = MaterialId>| {
+        let (mut is_known, mut is_used) = (
+            vec![false; scene.materials.len()],
+            vec![false; scene.textures.len()],
+        );
+        for id in materials {
+            let Some(known @ false) = is_known.get_mut(id.index()) else {
+                continue;
+            };
+            *known = true;
+            for texture in scene
+                .materials
+                .get(id.index())
+                .into_iter()
+                .flat_map(terms)
+                .flatten()
+            {
+                if let Some(used) = is_used.get_mut(texture.index()) {
+                    *used = true;
+                }
+            }
+        }
+        is_used
+    };
+    let objects = scene.groups.iter().flat_map(|group| &group.objects);
+    let faces = scene.meshes.iter().flat_map(|mesh| &mesh.face_materials);
+    let by_objects = used(&mut objects.map(|object| object.material));
+    let by_faces = used(&mut faces.copied());
+    let both = by_objects.into_iter().zip(by_faces);
+    both.map(|(by_object, by_face)| by_object || !by_face).collect()
+}
+
+/// Textures of a material in the order in which `material(#{ })` looks at its terms.
+fn terms(material: &Material) -> impl Iterator<Item = Option<TextureId>> + use<> {
+    [
+        Some(material.ambient),
+        Some(material.diffuse),
+        Some(material.emission),
+        material.reflection,
+        Some(material.specular),
+        Some(material.transmission),
+    ]
+    .map(|term| term.and_then(|term| term.texture))
+    .into_iter()
+}
+
+/// A term of a material.
+struct Said(Term);
+
+impl Display for Said {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Term { color, texture } = self.0;
+        match texture {
+            None => write!(f, "{}", Vector(color)),
+            Some(id) if color == crate::color::Color::ONE => write!(f, "texture_{}", id.0),
+            Some(id) => write!(f, "texture_{} * vec3({})", id.0, Components(color)),
+        }
+    }
+}
+
+/// `loadMatrix([...]);`
+struct Load<'a>(&'a DAffine3);
+
+impl Display for Load<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (linear, t) = (self.0.matrix3, self.0.translation);
+        f.write_str("loadMatrix([")?;
+        for (i, t) in t.to_array().into_iter().enumerate() {
+            let separator = if i == 0 { "" } else { ", " };
+            write!(f, "{separator}{}, {}", Components(linear.row(i)), Number(t))?;
+        }
+        f.write_str("]);")
+    }
+}
+
+/// The call that makes an object, but for meshes.
+struct Call<'a> {
+    scene: &'a Scene,
+    object: &'a Object,
+    names: &'a [String],
+}
+
+impl Display for Call<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.object.geometry {
+            Geometry::Shape(shape) => write!(f, "{};", ShapeCall(shape)),
+            Geometry::Triangle(id) => {
+                let Some(triangle) = self.scene.triangles.get(id.index()) else {
+                    return Ok(());
+                };
+                let [a, b, c] = triangle.positions.map(Vector);
+                write!(f, "tri({a}, {b}, {c}")?;
+                for n in triangle.normals.into_iter().flatten() {
+                    write!(f, ", {}", Vector(n))?;
+                }
+                f.write_str(");")
+            }
+            Geometry::Instance(id) => {
+                let name = self.names.get(id.index()).map_or("", String::as_str);
+                write!(f, "instance({});", Text(name))
+            }
+            Geometry::Mesh(_) => Ok(()),
+        }
+    }
+}
+
+/// The call that makes a shape.
+struct ShapeCall<'a>(&'a Shape);
+
+impl Display for ShapeCall<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Shape::Sphere(s) => write!(f, "sphere({}, {})", Components(s.center()), Number(s.radius())),
+            Shape::Cuboid(s) => write!(f, "box({})", Components(s.size())),
+            Shape::Cylinder(s) => write!(f, "cylinder({}, {})", Number(s.radius()), Number(s.height())),
+            Shape::Cone(s) => write!(f, "cone({}, {})", Number(s.radius()), Number(s.height())),
+            Shape::Disk(s) => write!(f, "disk({})", Number(s.radius())),
+            Shape::Torus(s) => write!(f, "torus({}, {})", Number(s.major()), Number(s.minor())),
+            Shape::Plane(_) => f.write_str("plane()"),
+            Shape::Polygon(s) => {
+                f.write_str("polygon([")?;
+                for (i, p) in s.points().iter().enumerate() {
+                    let separator = if i == 0 { "" } else { ", " };
+                    write!(f, "{separator}{}", Vector(*p))?;
+                }
+                f.write_str("])")
+            }
+        }
+    }
+}
