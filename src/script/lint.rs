@@ -53,6 +53,15 @@ pub(super) fn unreached(ast: &AST, ran: &Lines, file: &str, context: &Context<'_
     let text = context.text(file);
     let declared = names::Declared::of(text);
     let mut warnings: Vec<Diagnostic> = Vec::new();
+    let calls = scene_calls(ast);
+    let never = |position: &Position| !ran.contains(position.line().unwrap_or(0));
+    if calls
+        .iter()
+        .all(|call| never(call) && declared.function_at(*call).is_some())
+    {
+        // A file of functions for others to import.
+        return warnings;
+    }
     // The first call of a stretch that never ran, and the last line of it.
     let mut stretch: Option<(Position, usize)> = None;
     let tell = |(first, last): (Position, usize)| {
@@ -69,11 +78,11 @@ pub(super) fn unreached(ast: &AST, ran: &Lines, file: &str, context: &Context<'_
         };
         context.place(d, file, first)
     };
-    for position in scene_calls(ast) {
+    for position in calls {
         let line = position.line().unwrap_or(0);
         let in_same = |first: Position| declared.function_at(first) == declared.function_at(position);
         match &mut stretch {
-            _ if ran.contains(line) => warnings.extend(stretch.take().map(&tell)),
+            _ if !never(&position) => warnings.extend(stretch.take().map(&tell)),
             Some((first, last)) if in_same(*first) => *last = line,
             _ => warnings.extend(stretch.replace((position, line)).map(&tell)),
         }
