@@ -188,6 +188,13 @@ fn an_error_is_told_and_replaces_nothing() {
     assert_eq!(files.each_ref().map(|path| fs::read(path).unwrap()), before);
     folder.write("scene.rhai", "size(16, 12); let");
     watch.says("scene.rhai:1:");
+    // So is a folder in its place, for as long as it is there.
+    fs::remove_file(folder.path("scene.rhai")).unwrap();
+    fs::create_dir(folder.path("scene.rhai")).unwrap();
+    watch.says("cannot watch 'scene.rhai': it is not a regular file");
+    fs::remove_dir(folder.path("scene.rhai")).unwrap();
+    folder.write("scene.rhai", "size(16, 12); box");
+    watch.says("scene.rhai:1:1");
     // Gone is an error, too, and no reason to end.
     fs::remove_file(folder.path("scene.rhai")).unwrap();
     watch.says("cannot read 'scene.rhai': no such file");

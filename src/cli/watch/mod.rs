@@ -54,10 +54,7 @@ pub(super) fn watch(args: &WatchArgs, signals: &Arc<Signals>, reporter: Reporter
         let what = "standard input cannot be watched: it is read only once";
         return Err(Diagnostic::error(ErrorKind::Input, what).into());
     };
-    if path.exists() && !path.is_file() {
-        let what = format!("cannot watch '{}': it is not a regular file", input.name());
-        return Err(Diagnostic::error(ErrorKind::Input, what).into());
-    }
+    check_kind(&input, &path)?;
     let target = match &args.output {
         Some(output) => Target::Given(output.clone()),
         None => Target::Default(input.picture_name(None)),
@@ -104,6 +101,15 @@ pub(super) fn watch(args: &WatchArgs, signals: &Arc<Signals>, reporter: Reporter
         good.lines.iter().for_each(|line| reporter.line(line));
     }
     Ok(code)
+}
+
+/// Refuses what can be read only once, or never ends.
+fn check_kind(input: &Input, path: &Path) -> Result<(), Error> {
+    if path.exists() && !path.is_file() {
+        let what = format!("cannot watch '{}': it is not a regular file", input.name());
+        return Err(Diagnostic::error(ErrorKind::Input, what).into());
+    }
+    Ok(())
 }
 
 /// Nobody asked for anything; for another render; for the end.
@@ -236,6 +242,7 @@ impl Session {
     fn read(&self) -> Result<String, Error> {
         let limits = Limits::default();
         self.files().asked(&self.path);
+        check_kind(&self.input, &self.path)?;
         let bytes = self.input.bytes(&limits)?;
         self.files().read(&self.path, &bytes);
         source::text(self.input.name(), bytes, &limits)
