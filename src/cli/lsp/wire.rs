@@ -41,6 +41,10 @@ pub(super) enum Incoming {
 
 /// Reads the next message; `None` at the end of the stream.
 pub(super) fn read(from: &mut impl BufRead) -> io::Result<Option<Incoming>> {
+    read_up_to(MOST, from)
+}
+
+fn read_up_to(most: u64, from: &mut impl BufRead) -> io::Result<Option<Incoming>> {
     let mut length = None;
     loop {
         let mut line = Vec::new();
@@ -58,9 +62,9 @@ pub(super) fn read(from: &mut impl BufRead) -> io::Result<Option<Incoming>> {
         }
     }
     let length = length.unwrap_or(0);
-    if length > MOST {
+    if length > most {
         let passed = io::copy(&mut from.by_ref().take(length), &mut io::sink())?;
-        let what = format!("a message of {length} bytes is longer than the {MOST} that are read");
+        let what = format!("a message of {length} bytes is longer than the {most} that are read");
         return Ok((passed == length).then_some(Incoming::Malformed(what)));
     }
     let mut body = Vec::new();
@@ -143,6 +147,20 @@ mod tests {
         assert_eq!(
             found[1],
             Incoming::Message(notification("a", json!({ "text": "\u{1f600}" })))
+        );
+    }
+
+    #[test]
+    fn a_message_that_is_too_long_is_passed_over() {
+        let mut from = &b"Content-Length: 7\r\n\r\n[1,2,3]Content-Length: 2\r\n\r\n{}"[..];
+        let first = read_up_to(4, &mut from).unwrap();
+        assert!(
+            matches!(&first, Some(Incoming::Malformed(why)) if why.contains("7 bytes")),
+            "{first:?}"
+        );
+        assert_eq!(
+            read_up_to(4, &mut from).unwrap(),
+            Some(Incoming::Message(json!({})))
         );
     }
 
