@@ -7,6 +7,7 @@ mod args;
 mod blame;
 mod check;
 mod convert;
+mod diff;
 mod expand;
 mod guard;
 mod hash;
@@ -16,6 +17,7 @@ mod input;
 mod job;
 mod lsp;
 mod manual;
+mod measures;
 mod new;
 mod params;
 mod picture;
@@ -45,7 +47,7 @@ use std::{
 use clap::{CommandFactory, Parser, error::ErrorKind as UsageError};
 
 use self::{
-    args::{Cli, Command, MessageFormat, RenderArgs, TestArgs},
+    args::{Cli, Command, DiffArgs, MessageFormat, RenderArgs, TestArgs},
     input::Input,
     job::{Job, Target},
     report::Reporter,
@@ -74,6 +76,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
         Some(Command::Expand(args)) => context.finish(args.quiet, |signals, reporter| {
             expand::expand(&args, signals, reporter)
         }),
+        Some(Command::Diff(args)) => context.diff(&args),
         Some(Command::New(args)) => context.finish(false, |_, reporter| new::new(&args, reporter)),
         Some(Command::Check(args)) => context.answer(args.quiet, |signals, reporter| {
             check::check(&args, signals, reporter)
@@ -148,6 +151,19 @@ impl Context {
             }
         }
         code
+    }
+
+    /// Compares two scenes. As in diff(1), 1 says that they differ, so a scene in error, which is 1 elsewhere, is 2.
+    fn diff(&self, args: &DiffArgs) -> u8 {
+        let reporter = Reporter::new(args.quiet, self.format);
+        let json = args.json || self.format == MessageFormat::Json;
+        guard::guarded(|| diff::diff(args, json, &self.signals, reporter)).map_or_else(
+            |error| {
+                reporter.error(&error);
+                exit_code(error.kind(), self.signals.caught()).max(2)
+            },
+            u8::from,
+        )
     }
 
     /// Tests scenes. That some do not pass is said by the code 1, as for a scene that cannot be rendered.

@@ -11,7 +11,7 @@ use crate::{
     host::{Host, HostError},
     limits::Limits,
     recipe::Recipe,
-    render::Image,
+    render::{Image, render},
     scene::{Geometry, Object, Scene},
     script::{CallSite, Run, RunOptions, Script},
     source::{self, SourceKind},
@@ -81,6 +81,33 @@ impl Subject {
         )
     }
 
+    /// Decides how many threads render.
+    pub(super) fn set_threads(&mut self, threads: usize) {
+        self.options.render.threads = threads;
+    }
+
+    /// The picture of a scene that it left behind, or the last one that its script rendered.
+    ///
+    /// # Errors
+    /// Whatever keeps it from being rendered.
+    pub(super) fn picture(&self, run: &mut Run) -> Result<Image, Error> {
+        if let Some(last) = run.pictures.pop() {
+            return Ok(last.image);
+        }
+        render(&run.scene, &self.options.render, &self.host).map(|report| report.value.image)
+    }
+
+    /// The text of a file as messages name it, where it was read.
+    pub(super) fn text_of(&self, file: &str) -> Option<String> {
+        if file == self.name {
+            return Some(self.text.clone());
+        }
+        let modules = self.host.modules.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_it = |name: &str| file == name || file.ends_with(&format!("/{name}"));
+        let module = modules.iter().find(|(name, _)| is_it(name));
+        module.map(|(_, text)| text.clone())
+    }
+
     /// Its outside world.
     pub(super) fn host(&self) -> &dyn Host {
         &self.host
@@ -112,10 +139,7 @@ impl Subject {
         if file == self.name {
             return nth(&self.text).unwrap_or_default();
         }
-        let modules = self.host.modules.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_it = |name: &str| file == name || file.ends_with(&format!("/{name}"));
-        let module = modules.iter().find(|(name, _)| is_it(name));
-        module.and_then(|(_, text)| nth(text)).unwrap_or_default()
+        self.text_of(file).and_then(|text| nth(&text)).unwrap_or_default()
     }
 }
 

@@ -6,6 +6,7 @@
 
 mod builder;
 mod camera;
+pub mod compare;
 mod dump;
 mod edition;
 mod error;

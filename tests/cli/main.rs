@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod course;
+mod diff;
 mod expand;
 mod files;
 mod flags;

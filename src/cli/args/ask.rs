@@ -1,4 +1,4 @@
-//! Commands that tell about a scene: `why blame hash params check`.
+//! Commands that tell about a scene, or about two: `why blame hash params check diff`.
 
 use std::path::PathBuf;
 
@@ -117,6 +117,47 @@ pub(in crate::cli) struct CheckArgs {
     pub(in crate::cli) define: Defines,
 
     /// Only errors
+    #[arg(short, long)]
+    pub(in crate::cli) quiet: bool,
+}
+
+pub(super) const AFTER_DIFF: &str = "\
+Examples:
+  rtscript diff old.rhai new.rhai                     what is different, as text
+  rtscript diff old.rhai new.rhai -o diff.png         and both pictures with what differs between them
+  rtscript diff old.png scene.rhai                    the script that a picture carries against the script of now
+
+Things are the same where all about them is, wherever a script makes them; otherwise they are matched by the line that \
+made them, as far as the lines of both scripts belong together, and then by form, look and place. What many things of \
+one line have in common is told once.
+
+Exit codes: 0 nothing is different, 1 something is, 2 usage, or an error in a scene; all others as everywhere.";
+
+#[derive(Debug, Args)]
+pub(in crate::cli) struct DiffArgs {
+    /// The scene as it was: .rhai, .test, - for a script on standard input, or a PNG that rtscript wrote
+    #[arg(value_name = "BEFORE")]
+    pub(in crate::cli) before: PathBuf,
+
+    /// The scene as it is
+    #[arg(value_name = "AFTER")]
+    pub(in crate::cli) after: PathBuf,
+
+    /// Render both and write before | difference | after side by side: a .png, .jpg or .ppm file
+    #[arg(short, long, value_name = "FILE")]
+    pub(in crate::cli) output: Option<PathBuf>,
+
+    /// As JSON: an object with equal, settings, changes and, with -o, pixels
+    #[arg(long)]
+    pub(in crate::cli) json: bool,
+
+    #[command(flatten)]
+    pub(in crate::cli) overrides: Overrides,
+
+    #[command(flatten)]
+    pub(in crate::cli) threads: Threads,
+
+    /// No warnings
     #[arg(short, long)]
     pub(in crate::cli) quiet: bool,
 }

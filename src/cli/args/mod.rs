@@ -10,15 +10,15 @@ mod watch;
 
 use clap::{Parser, Subcommand, ValueEnum};
 
-pub(super) use ask::{BlameArgs, CheckArgs, HashArgs, ParamsArgs, WhyArgs};
 pub(super) use help::{CompletionsArgs, HelpArgs, LspArgs, ManArgs};
+pub(super) use ask::{BlameArgs, CheckArgs, DiffArgs, HashArgs, ParamsArgs, WhyArgs};
 pub(super) use make::{ExpandArgs, NewArgs, RerunArgs, SweepArgs, VerifyArgs};
 pub(super) use render::{ConvertArgs, RenderArgs, ShowWhat, StatsFormat};
 pub(super) use shared::Overrides;
 pub(super) use test::{TerminalPictures, TestArgs};
 pub(super) use watch::WatchArgs;
 
-use ask::AFTER_WHY;
+use ask::{AFTER_DIFF, AFTER_WHY};
 use make::{AFTER_EXPAND, AFTER_SWEEP};
 use render::AFTER_HELP;
 use test::AFTER_TEST;
@@ -93,6 +93,9 @@ pub(super) enum Command {
     /// Write a scene as a flat script: every object a line of its own, without loops, variables or functions
     #[command(after_help = AFTER_EXPAND)]
     Expand(ExpandArgs),
+    /// Say what is different between two scenes: added, removed, moved, recolored, with the lines of both
+    #[command(after_help = AFTER_DIFF)]
+    Diff(DiffArgs),
     /// Print the hash of a scene's pixels and the hash of the scene, and nothing else
     Hash(HashArgs),
     /// Tell about a function of the language, or about a command; without a name, list all functions

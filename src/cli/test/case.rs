@@ -12,6 +12,7 @@ use crate::{
         guard,
         host::{RecipeHost, SilentHost},
         input::Input,
+        measures::Measures,
         signals::Signals,
         without_place,
     },
@@ -24,8 +25,8 @@ use crate::{
     script::RunOptions,
     source,
     testing::{
-        Region, RenderedFile, Snapshot, changed_lines, changed_pixels, compare, flip, load_picture,
-        name_alone, read_scene, render_text,
+        RenderedFile, Snapshot, changed_lines, changed_pixels, load_picture, name_alone, read_scene,
+        render_text,
     },
 };
 
@@ -81,7 +82,10 @@ impl Test<'_> {
         }
         let pictures_differ = expected.hash != actual.hash;
         let change = self.change(expected, actual, rendered)?;
-        let flip = change.reference.as_ref().and_then(|reference| reference.flip);
+        let flip = change
+            .reference
+            .as_ref()
+            .and_then(|reference| reference.measures.flip);
         let is_tolerated = pictures_differ
             && change.only_the_picture()
             && flip.is_some_and(|flip| flip <= self.settings.tolerance && self.settings.tolerance > 0.0);
@@ -152,9 +156,7 @@ impl Test<'_> {
             expected,
             actual,
             reference: reference.map(|image| Reference {
-                comparison: compare(&image, &rendered.image),
-                flip: flip(&image, &rendered.image).map(|map| map.mean()),
-                region: Region::around(&pixels),
+                measures: Measures::of(&image, &rendered.image),
                 image,
             }),
             actual_image: rendered.image,

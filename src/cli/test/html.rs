@@ -10,7 +10,7 @@ mod picture;
 
 use self::escape::escape;
 use super::outcome::{Case, Outcome, Totals};
-use crate::cli::stats;
+use crate::cli::{measures::count, stats};
 
 const STYLE: &str = include_str!("report.css");
 const SCRIPT: &str = include_str!("report.js");
@@ -157,19 +157,6 @@ fn passed<'a>(cases: impl Iterator<Item = &'a Case>) -> String {
     format!(
         "<section class=\"passed-list\" data-kind=\"passed\"><h2>Passed</h2>\n<ul>\n{items}</ul></section>\n"
     )
-}
-
-/// A whole number with commas between thousands.
-fn count(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
 }
 
 #[cfg(test)]

@@ -51,18 +51,10 @@ fn of_change(outcome: &str, change: &Change) -> Value {
             "pixels": line.now, "pixels_before": line.before,
         })
     });
-    let measures = change.reference.as_ref().map(|reference| {
-        let c = &reference.comparison;
-        json!({
-            "pixels": c.pixels,
-            "differing": c.differing,
-            "largest_difference": c.max,
-            // Equal pictures have none: JSON has no infinity.
-            "psnr": c.psnr.is_finite().then_some(c.psnr),
-            "flip": reference.flip,
-            "region": reference.region.map(|r| json!([r.left, r.top, r.width, r.height])),
-        })
-    });
+    let measures = change
+        .reference
+        .as_ref()
+        .map(|reference| reference.measures.json());
     json!({
         "outcome": outcome,
         "expected": of_snapshot(&change.expected),

@@ -3,10 +3,11 @@
 use std::{path::PathBuf, time::Duration};
 
 use crate::{
+    cli::measures::Measures,
     diag::Error,
     recipe::Recipe,
     render::Image,
-    testing::{Comparison, LineShare, Region, Snapshot},
+    testing::{LineShare, Snapshot},
 };
 
 /// One scene and what its test found.
@@ -152,11 +153,7 @@ impl Change {
 #[derive(Debug)]
 pub(super) struct Reference {
     pub(super) image: Image,
-    pub(super) comparison: Comparison,
-    /// Mean FLIP error over all pixels, 0 (equal to the eye) to 1; `None` where the sizes differ.
-    pub(super) flip: Option<f64>,
-    /// The smallest rectangle around all pixels that differ; `None` where none does.
-    pub(super) region: Option<Region>,
+    pub(super) measures: Measures,
 }
 
 /// One script then and now.
@@ -166,23 +163,4 @@ pub(super) struct SourceChange {
     /// Empty where the script was not there.
     pub(super) before: String,
     pub(super) after: String,
-}
-
-impl Reference {
-    /// `1234 of 64000 pixels differ (1.9 %), by 45 at most, PSNR 38.1 dB, FLIP 0.0213, in 40 x 30 at (12, 7)`.
-    pub(super) fn text(&self) -> String {
-        let c = &self.comparison;
-        let percent = 100.0 * c.differing as f64 / c.pixels.max(1) as f64;
-        let mut text = format!(
-            "{} of {} pixels differ ({percent:.2} %), by {} at most, PSNR {:.1} dB",
-            c.differing, c.pixels, c.max, c.psnr
-        );
-        if let Some(flip) = self.flip {
-            text += &format!(", FLIP {flip:.4}");
-        }
-        if let Some(region) = self.region {
-            text += &format!(", in {region}");
-        }
-        text
-    }
 }

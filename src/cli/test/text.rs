@@ -117,7 +117,7 @@ pub(super) fn details(change: &Change) -> Vec<String> {
         ));
     }
     match &change.reference {
-        Some(reference) if old.hash != new.hash => lines.push(reference.text()),
+        Some(reference) if old.hash != new.hash => lines.push(reference.measures.text()),
         None if old.hash != new.hash => {
             lines.push("the pixels differ; there is no reference picture to compare with".to_owned())
         }

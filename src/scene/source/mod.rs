@@ -8,7 +8,8 @@ use std::{
     fmt::{self, Display, Write},
 };
 
-use self::order::{NEVER, Order, names, next_uses, own_lights};
+use self::order::{NEVER, Order, next_uses};
+pub(in crate::scene) use self::order::{names, own_lights};
 use super::{
     Attenuation, Encoding, Geometry, Group, ImageTexture, LightKind, Material, MaterialId, Mesh, MeshId,
     Object, ROOT_GROUP, Scene, Term, Texels, Texture, TextureId, TransformId,

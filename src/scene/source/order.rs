@@ -169,7 +169,7 @@ pub(super) fn next_uses(group: &Group, latest: &mut [u32]) -> Vec<u32> {
 pub(super) const NEVER: u32 = u32::MAX;
 
 /// Names of the groups, each different: what `define` called them, with a number where the name was given before.
-pub(super) fn names(scene: &Scene) -> Vec<String> {
+pub(in crate::scene) fn names(scene: &Scene) -> Vec<String> {
     let mut taken = std::collections::BTreeSet::new();
     let named = scene.groups.iter().map(|group| {
         let mut name = group.name.clone();
@@ -185,7 +185,7 @@ pub(super) fn names(scene: &Scene) -> Vec<String> {
 
 /// The lights of a group that it has from its own calls, in parts: those before the first object that brings lights
 /// with it, those between it and the second, and so on. An instance brings those of its group, one after the other.
-pub(super) fn own_lights(scene: &Scene, group: &Group) -> Vec<std::ops::Range<usize>> {
+pub(in crate::scene) fn own_lights(scene: &Scene, group: &Group) -> Vec<std::ops::Range<usize>> {
     let mut parts = Vec::new();
     let mut start = 0;
     for object in &group.objects {

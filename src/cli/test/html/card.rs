@@ -3,12 +3,13 @@
 use std::fmt::Write as _;
 
 use super::{
-    Kind, count, diff,
+    Kind, diff,
     escape::escape,
     picture::{covering, difference, heat, img, outline},
 };
 use crate::{
     cli::{
+        measures::count,
         stats,
         test::outcome::{Case, Change, Fresh, Outcome, Reference, SourceChange},
     },
@@ -40,7 +41,9 @@ pub(super) fn card(index: usize, case: &Case, kind: Kind) -> String {
 
 fn changed(change: &Change) -> String {
     let mut body = match &change.reference {
-        Some(reference) if reference.comparison.differing > 0 => viewer(reference, &change.actual_image),
+        Some(reference) if reference.measures.comparison.differing > 0 => {
+            viewer(reference, &change.actual_image)
+        }
         Some(_) => still(
             &change.actual_image,
             "The pixels are the same. Something else that the snapshot holds is not.",
@@ -134,6 +137,7 @@ fn still(image: &Image, note: &str) -> String {
 fn viewer(reference: &Reference, actual: &Image) -> String {
     let size = covering(&reference.image, actual);
     let region = reference
+        .measures
         .region
         .as_ref()
         .map(|region| outline(region, size))
@@ -174,7 +178,7 @@ fn viewer(reference: &Reference, actual: &Image) -> String {
     panels += "<div class=\"handle\" role=\"slider\" tabindex=\"0\" aria-label=\"expected left, now right\" \
                aria-orientation=\"horizontal\" aria-valuemin=\"0\" aria-valuemax=\"100\" aria-valuenow=\"50\" \
                aria-valuetext=\"50 % expected\"></div>\n";
-    let zoom = match &reference.region {
+    let zoom = match &reference.measures.region {
         Some(r) => format!(
             "<button type=\"button\" data-zoom=\"region\" data-left=\"{}\" data-top=\"{}\" data-width=\"{}\" \
              data-height=\"{}\" title=\"z\">Zoom to the change</button>\n\
@@ -223,7 +227,7 @@ fn panel(class: &str, caption: &str, picture: Option<String>, region: &str) -> S
 fn numbers(change: &Change) -> String {
     let mut all = Vec::new();
     if let Some(reference) = &change.reference {
-        let c = &reference.comparison;
+        let c = &reference.measures.comparison;
         let share = 100.0 * c.differing as f64 / c.pixels.max(1) as f64;
         all.push((
             "pixels",
@@ -241,10 +245,10 @@ fn numbers(change: &Change) -> String {
             "∞".to_owned()
         };
         all.push(("PSNR", psnr));
-        if let Some(flip) = reference.flip {
+        if let Some(flip) = reference.measures.flip {
             all.push(("FLIP, mean", format!("{flip:.5}")));
         }
-        if let Some(r) = &reference.region {
+        if let Some(r) = &reference.measures.region {
             all.push(("region", r.to_string()));
         }
     }

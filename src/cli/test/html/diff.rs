@@ -2,7 +2,8 @@
 
 use similar::{ChangeTag, TextDiff};
 
-use super::{count, escape::escape};
+use super::escape::escape;
+use crate::cli::measures::count;
 
 /// Lines around a change that are shown with it.
 const CONTEXT: usize = 3;

@@ -2,10 +2,13 @@ use std::{path::PathBuf, time::Duration};
 
 use super::*;
 use crate::{
-    cli::test::outcome::{Change, Fresh, Reference, SourceChange},
+    cli::{
+        measures::Measures,
+        test::outcome::{Change, Fresh, Reference, SourceChange},
+    },
     diag::{Diagnostic, ErrorKind},
     render::Image,
-    testing::{LineShare, Region, Snapshot, compare, flip, from_rgb8},
+    testing::{LineShare, Region, Snapshot, from_rgb8},
 };
 
 const HOSTILE: &str = "</script></style><img src=x onerror='a()'>\"'&\u{1b}[31m\u{202e}http://example.org";
@@ -56,9 +59,10 @@ fn change(expected: &Image, actual: &Image) -> Box<Change> {
         recipe: Default::default(),
         reference: Some(Reference {
             image: expected.clone(),
-            comparison: compare(expected, actual),
-            flip: flip(expected, actual).map(|map| map.mean()),
-            region,
+            measures: Measures {
+                region,
+                ..Measures::of(expected, actual)
+            },
         }),
         lines: vec![LineShare {
             file: "a.rhai".to_owned(),

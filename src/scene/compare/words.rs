@@ -1,0 +1,267 @@
+//! Values that changed, as a person reads them.
+
+use super::{
+    Way,
+    items::{Contents, Item, Thing},
+    motion::motion,
+};
+use crate::{
+    math::DVec3,
+    scene::{
+        Encoding, Geometry, Light, LightKind, Material, Object, Scene, Term, Texture,
+        literal::{Number, Vector},
+    },
+    shape::Shape,
+};
+
+/// A number in six digits, without the noise of rounding.
+#[must_use]
+pub fn short(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x) + 0.0
+}
+
+/// What is different about two things of one kind.
+pub(super) fn ways((before, after): (&Contents<'_>, &Contents<'_>), a: &Item<'_>, b: &Item<'_>) -> Vec<Way> {
+    let mut ways = Vec::new();
+    match (a.thing, b.thing) {
+        (Thing::Object(old), Thing::Object(new)) => {
+            ways.extend(motion(before.placing(old), after.placing(new)));
+            if a.form != b.form {
+                form(&mut ways, (before.scene, old), (after.scene, new));
+            }
+            if a.looks != b.looks {
+                looks(&mut ways, (before, old), (after, new));
+            }
+        }
+        (Thing::Light(old), Thing::Light(new)) => light(&mut ways, old, new),
+        _ => {}
+    }
+    if ways.is_empty() {
+        value(&mut ways, "a last digit", String::new, String::new);
+    }
+    ways
+}
+
+fn value(ways: &mut Vec<Way>, what: &'static str, from: impl Fn() -> String, to: impl Fn() -> String) {
+    ways.push(Way::Value {
+        what,
+        from: from(),
+        to: to(),
+    });
+}
+
+/// As [`value`], in six digits where those tell the values apart.
+fn shortest(ways: &mut Vec<Way>, what: &'static str, say: impl Fn(&dyn Fn(f64) -> f64) -> [String; 2]) {
+    let [mut from, mut to] = say(&short);
+    if from == to {
+        [from, to] = say(&|x| x);
+    }
+    ways.push(Way::Value { what, from, to });
+}
+
+/// As [`value`], where the numbers differ.
+fn number(ways: &mut Vec<Way>, what: &'static str, from: f64, to: f64) {
+    if from != to {
+        shortest(ways, what, |digits| {
+            [from, to].map(|x| Number(digits(x)).to_string())
+        });
+    }
+}
+
+/// As [`value`], where the vectors differ.
+fn vector(ways: &mut Vec<Way>, what: &'static str, from: DVec3, to: DVec3) {
+    if from != to {
+        shortest(ways, what, |digits| [from, to].map(|v| said(v, digits)));
+    }
+}
+
+fn said(v: DVec3, digits: &dyn Fn(f64) -> f64) -> String {
+    Vector(DVec3::from_array(v.to_array().map(digits))).to_string()
+}
+
+fn form(ways: &mut Vec<Way>, (before, old): (&Scene, &Object), (after, new): (&Scene, &Object)) {
+    match (&old.geometry, &new.geometry) {
+        (Geometry::Shape(a), Geometry::Shape(b)) => shape(ways, a, b),
+        (Geometry::Triangle(_), Geometry::Triangle(_)) => {
+            value(ways, "corners or normals", String::new, String::new);
+        }
+        (Geometry::Mesh(a), Geometry::Mesh(b)) => {
+            let (a, b) = (before.meshes.get(a.index()), after.meshes.get(b.index()));
+            let (Some(a), Some(b)) = (a, b) else { return };
+            let said = |mesh: &crate::scene::Mesh| {
+                let count = mesh.triangles.len();
+                let ending = if count == 1 { "" } else { "s" };
+                format!("{} of {count} triangle{ending}", mesh.name)
+            };
+            if said(a) == said(b) {
+                value(ways, "vertices or materials", String::new, String::new);
+            } else {
+                value(ways, "mesh", || said(a), || said(b));
+            }
+        }
+        _ => {}
+    }
+}
+
+fn shape(ways: &mut Vec<Way>, a: &Shape, b: &Shape) {
+    match (a, b) {
+        (Shape::Sphere(a), Shape::Sphere(b)) => number(ways, "radius", a.radius(), b.radius()),
+        (Shape::Cuboid(a), Shape::Cuboid(b)) => vector(ways, "size", a.size(), b.size()),
+        (Shape::Cylinder(a), Shape::Cylinder(b)) => {
+            number(ways, "radius", a.radius(), b.radius());
+            number(ways, "height", a.height(), b.height());
+        }
+        (Shape::Cone(a), Shape::Cone(b)) => {
+            number(ways, "radius", a.radius(), b.radius());
+            number(ways, "height", a.height(), b.height());
+        }
+        (Shape::Disk(a), Shape::Disk(b)) => number(ways, "radius", a.radius(), b.radius()),
+        (Shape::Torus(a), Shape::Torus(b)) => {
+            number(ways, "major radius", a.major(), b.major());
+            number(ways, "minor radius", a.minor(), b.minor());
+        }
+        (Shape::Polygon(a), Shape::Polygon(b)) if a.points().len() != b.points().len() => {
+            let count = |points: &[DVec3]| points.len().to_string();
+            value(ways, "points", || count(a.points()), || count(b.points()));
+        }
+        _ => value(ways, "outline", String::new, String::new),
+    }
+}
+
+fn looks(
+    ways: &mut Vec<Way>,
+    (before, old): (&Contents<'_>, &Object),
+    (after, new): (&Contents<'_>, &Object),
+) {
+    let material = |contents: &Contents<'_>, object: &Object| {
+        let found = contents.scene.materials.get(object.material.index());
+        found.cloned().unwrap_or_default()
+    };
+    let (a, b) = (material(before, old), material(after, new));
+    type Of = fn(&Material) -> Option<Term>;
+    let terms: [(&'static str, Of); 6] = [
+        ("ambient", |m| Some(m.ambient)),
+        ("emission", |m| Some(m.emission)),
+        ("diffuse", |m| Some(m.diffuse)),
+        ("specular", |m| Some(m.specular)),
+        ("reflection", |m| m.reflection),
+        ("transmission", |m| Some(m.transmission)),
+    ];
+    for (what, of) in terms {
+        let (a, b) = (of(&a), of(&b));
+        let content = |contents: &Contents<'_>, t: &Option<Term>| t.as_ref().map(|t| contents.term(t));
+        if content(before, &a) != content(after, &b) {
+            let said = |contents: &Contents<'_>, t: &Option<Term>, digits: &dyn Fn(f64) -> f64| {
+                t.as_ref()
+                    .map_or("as specular".to_owned(), |t| term(contents.scene, t, digits))
+            };
+            shortest(ways, what, |digits| {
+                [said(before, &a, digits), said(after, &b, digits)]
+            });
+        }
+    }
+    number(ways, "shininess", a.shininess, b.shininess);
+    number(ways, "ior", a.ior, b.ior);
+}
+
+fn term(scene: &Scene, term: &Term, digits: &dyn Fn(f64) -> f64) -> String {
+    let texture = term.texture.and_then(|id| scene.textures.get(id.index()));
+    let texture = match texture.map(|texture| &**texture) {
+        None => return said(term.color, digits),
+        Some(Texture::Image(image)) => format!("{} {} x {}", image.name, image.width, image.height),
+        Some(Texture::Checker { even, odd, size }) => {
+            let (even, odd) = (said(*even, digits), said(*odd, digits));
+            format!("checker({even}, {odd}, {})", Number(digits(*size)))
+        }
+    };
+    if term.color == crate::color::Color::ONE {
+        texture
+    } else {
+        format!("{texture} * {}", said(term.color, digits))
+    }
+}
+
+fn light(ways: &mut Vec<Way>, old: &Light, new: &Light) {
+    let moved = |ways: &mut Vec<Way>, from: DVec3, to: DVec3| {
+        if from != to {
+            ways.push(Way::Moved(to - from));
+        }
+    };
+    let attenuations = match (&old.kind, &new.kind) {
+        (
+            LightKind::Point {
+                position: from,
+                attenuation: a,
+            },
+            LightKind::Point {
+                position: to,
+                attenuation: b,
+            },
+        ) => {
+            moved(ways, *from, *to);
+            Some((a, b))
+        }
+        (LightKind::Directional { direction: a }, LightKind::Directional { direction: b }) => {
+            vector(ways, "direction", *a, *b);
+            None
+        }
+        (
+            LightKind::Area {
+                corner: from,
+                edge1: a1,
+                edge2: a2,
+                n: na,
+                attenuation: a,
+            },
+            LightKind::Area {
+                corner: to,
+                edge1: b1,
+                edge2: b2,
+                n: nb,
+                attenuation: b,
+            },
+        ) => {
+            moved(ways, *from, *to);
+            vector(ways, "edge 1", *a1, *b1);
+            vector(ways, "edge 2", *a2, *b2);
+            number(ways, "points per edge", f64::from(*na), f64::from(*nb));
+            Some((a, b))
+        }
+        _ => None,
+    };
+    vector(ways, "color", old.color, new.color);
+    if let Some((a, b)) = attenuations {
+        let terms = |a: &crate::scene::Attenuation| DVec3::new(a.constant, a.linear, a.quadratic);
+        vector(ways, "attenuation", terms(a), terms(b));
+    }
+}
+
+/// Settings and camera that differ: what, the value it had, the value it has.
+#[must_use]
+pub fn settings(before: &Scene, after: &Scene) -> Vec<(&'static str, String, String)> {
+    let said = |scene: &Scene| {
+        let (s, c) = (&scene.settings, &scene.camera);
+        let encoding = match s.encoding {
+            Encoding::Srgb => "srgb",
+            Encoding::Raw => "raw",
+        };
+        [
+            ("edition", s.edition().to_string()),
+            ("size", format!("{} x {}", s.width, s.height)),
+            ("samples", s.samples.to_string()),
+            ("maxDepth", s.max_depth.to_string()),
+            ("seed", s.seed.cast_signed().to_string()),
+            ("background", Vector(s.background).to_string()),
+            ("encoding", encoding.to_owned()),
+            ("camera from", Vector(c.eye).to_string()),
+            ("camera at", Vector(c.at).to_string()),
+            ("camera up", Vector(c.up).to_string()),
+            ("camera fovy", Number(c.fovy).to_string()),
+        ]
+    };
+    let pairs = said(before).into_iter().zip(said(after));
+    pairs
+        .filter(|((_, a), (_, b))| a != b)
+        .map(|((what, a), (_, b))| (what, a, b))
+        .collect()
+}
