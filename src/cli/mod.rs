@@ -60,7 +60,8 @@ use crate::{
 
 /// Does what the arguments ask for (the first is the program's name) and returns the exit code: 0 done, 1 script
 /// or scene error, 2 usage, 3 input missing or malformed, 4 output cannot be written, 5 a limit was hit, 6 access
-/// denied, 70 internal error, 128 + n stopped by signal n.
+/// denied, 70 internal error, 128 + n stopped by signal n. `rtscript diff` is as diff(1): 1 says that scenes differ, and a
+/// script or scene error is 2.
 pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
     let cli = match Cli::try_parse_from(args) {
         Ok(cli) => cli,

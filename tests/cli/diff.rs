@@ -224,6 +224,20 @@ fn programs_read_json() {
 }
 
 #[test]
+fn names_do_not_steer_the_terminal() {
+    let folder = Folder::with(
+        "define \"a\\u001b[31m\" { sphere(0, 0, 0, 1); } instance(\"a\\u001b[31m\"); light([0, 0, 5], [1, 1, 1]);",
+    );
+    folder.write("b.rhai", BALL);
+    let ran = folder.run(&["diff", "scene.rhai", "b.rhai"]);
+    assert!(ran.code == 1 && !ran.stdout.contains(&0x1b), "{:?}", ran.stdout);
+    let flat = folder.ok(&["expand", "scene.rhai"]).stdout;
+    assert!(!flat.contains(&0x1b));
+    folder.write("flat.rhai", flat);
+    folder.ok(&["diff", "scene.rhai", "flat.rhai"]);
+}
+
+#[test]
 fn trouble_is_not_a_difference() {
     let folder = Folder::with(BALL);
     folder.write("bad.rhai", "sphere(0, 0, 0);");

@@ -105,7 +105,8 @@ pub(super) fn diff(
             };
             text.push('\n');
         }
-        text
+        // Names of files and of groups come from scenes, and shall not steer a terminal.
+        text.replace(|c: char| c.is_control() && c != '\n', "\u{fffd}")
     };
     write_stdout(text.as_bytes()).map_err(without_place)?;
     Ok(differs || pixels_differ)
