@@ -72,7 +72,7 @@ pub trait Host: Send + Sync {
         let _ = warning;
     }
 
-    /// Asked often while a script runs and between tiles; true ends the run with `ErrorKind::Cancelled`.
+    /// Asked often while a script runs and while a picture is traced; true ends the run with `ErrorKind::Cancelled`.
     fn should_stop(&self) -> bool {
         false
     }

@@ -55,10 +55,7 @@ pub(super) fn trace(
     (0..rayon::current_num_threads()).into_par_iter().for_each(|_| {
         let (mut own, mut stack) = (Counts::default(), Stack::default());
         let mut tile = vec![[0.0; 3]; (edge.min(s.width) * edge.min(s.height)) as usize];
-        while let Some(&(column, row)) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
-            if interrupt.poll() {
-                break;
-            }
+        'tiles: while let Some(&(column, row)) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
             let (x0, y0) = (column * edge, row * edge);
             let (columns, rows) = (edge.min(s.width - x0), edge.min(s.height - y0));
             if let Some(seed) = options.shuffle {
@@ -66,6 +63,9 @@ pub(super) fn trace(
             }
             let before = own.total();
             for square in squares((columns, rows), s.samples) {
+                if interrupt.poll() {
+                    break 'tiles;
+                }
                 Square {
                     world,
                     settings: s,
