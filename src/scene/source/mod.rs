@@ -1,21 +1,27 @@
 //! A scene as a script of its own: one entity a line, without loops, variables or functions.
 
+mod calls;
 mod lights;
 mod order;
+mod textures;
 
 use std::{
     collections::BTreeMap,
     fmt::{self, Display, Write},
 };
 
-use self::order::{NEVER, Order, next_uses};
 pub(in crate::scene) use self::order::{names, own_lights};
+use self::{
+    calls::{Call, Load, Said},
+    order::{NEVER, Order, next_uses},
+    textures::{is_named, terms},
+};
 use super::{
     Attenuation, Encoding, Geometry, Group, ImageTexture, LightKind, Material, MaterialId, Mesh, MeshId,
-    Object, ROOT_GROUP, Scene, Term, Texels, Texture, TextureId, TransformId,
+    Object, ROOT_GROUP, Scene, Texels, Texture, TextureId, TransformId,
     literal::{Components, Number, Text, Vector},
 };
-use crate::{diag::SourceLoc, math::DAffine3, shape::Shape};
+use crate::diag::SourceLoc;
 
 /// The files that textures and meshes of a scene were read from, as the host knows them: relative to the folder of the
 /// script.
@@ -491,138 +497,5 @@ impl Writer<'_> {
             self.under(load.as_deref(), &call, light.loc)?;
         }
         Ok(())
-    }
-}
-
-/// See [`Writer::is_named`].
-fn is_named(scene: &Scene) -> Vec<bool> {
-    let used = |materials: &mut dyn Iterator<Item = MaterialId>| {
-        let (mut is_known, mut is_used) = (
-            vec![false; scene.materials.len()],
-            vec![false; scene.textures.len()],
-        );
-        for id in materials {
-            let Some(known @ false) = is_known.get_mut(id.index()) else {
-                continue;
-            };
-            *known = true;
-            for texture in scene
-                .materials
-                .get(id.index())
-                .into_iter()
-                .flat_map(terms)
-                .flatten()
-            {
-                if let Some(used) = is_used.get_mut(texture.index()) {
-                    *used = true;
-                }
-            }
-        }
-        is_used
-    };
-    let objects = scene.groups.iter().flat_map(|group| &group.objects);
-    let faces = scene.meshes.iter().flat_map(|mesh| &mesh.face_materials);
-    let by_objects = used(&mut objects.map(|object| object.material));
-    let by_faces = used(&mut faces.copied());
-    let both = by_objects.into_iter().zip(by_faces);
-    both.map(|(by_object, by_face)| by_object || !by_face).collect()
-}
-
-/// Textures of a material in the order in which `material(#{ })` looks at its terms.
-fn terms(material: &Material) -> impl Iterator<Item = Option<TextureId>> + use<> {
-    [
-        Some(material.ambient),
-        Some(material.diffuse),
-        Some(material.emission),
-        material.reflection,
-        Some(material.specular),
-        Some(material.transmission),
-    ]
-    .map(|term| term.and_then(|term| term.texture))
-    .into_iter()
-}
-
-/// A term of a material.
-struct Said(Term);
-
-impl Display for Said {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Term { color, texture } = self.0;
-        match texture {
-            None => write!(f, "{}", Vector(color)),
-            Some(id) if color == crate::color::Color::ONE => write!(f, "texture_{}", id.0),
-            Some(id) => write!(f, "texture_{} * vec3({})", id.0, Components(color)),
-        }
-    }
-}
-
-/// `loadMatrix([...]);`
-struct Load<'a>(&'a DAffine3);
-
-impl Display for Load<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (linear, t) = (self.0.matrix3, self.0.translation);
-        f.write_str("loadMatrix([")?;
-        for (i, t) in t.to_array().into_iter().enumerate() {
-            let separator = if i == 0 { "" } else { ", " };
-            write!(f, "{separator}{}, {}", Components(linear.row(i)), Number(t))?;
-        }
-        f.write_str("]);")
-    }
-}
-
-/// The call that makes an object, but for meshes.
-struct Call<'a> {
-    scene: &'a Scene,
-    object: &'a Object,
-    names: &'a [String],
-}
-
-impl Display for Call<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.object.geometry {
-            Geometry::Shape(shape) => write!(f, "{};", ShapeCall(shape)),
-            Geometry::Triangle(id) => {
-                let Some(triangle) = self.scene.triangles.get(id.index()) else {
-                    return Ok(());
-                };
-                let [a, b, c] = triangle.positions.map(Vector);
-                write!(f, "tri({a}, {b}, {c}")?;
-                for n in triangle.normals.into_iter().flatten() {
-                    write!(f, ", {}", Vector(n))?;
-                }
-                f.write_str(");")
-            }
-            Geometry::Instance(id) => {
-                let name = self.names.get(id.index()).map_or("", String::as_str);
-                write!(f, "instance({});", Text(name))
-            }
-            Geometry::Mesh(_) => Ok(()),
-        }
-    }
-}
-
-/// The call that makes a shape.
-struct ShapeCall<'a>(&'a Shape);
-
-impl Display for ShapeCall<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            Shape::Sphere(s) => write!(f, "sphere({}, {})", Components(s.center()), Number(s.radius())),
-            Shape::Cuboid(s) => write!(f, "box({})", Components(s.size())),
-            Shape::Cylinder(s) => write!(f, "cylinder({}, {})", Number(s.radius()), Number(s.height())),
-            Shape::Cone(s) => write!(f, "cone({}, {})", Number(s.radius()), Number(s.height())),
-            Shape::Disk(s) => write!(f, "disk({})", Number(s.radius())),
-            Shape::Torus(s) => write!(f, "torus({}, {})", Number(s.major()), Number(s.minor())),
-            Shape::Plane(_) => f.write_str("plane()"),
-            Shape::Polygon(s) => {
-                f.write_str("polygon([")?;
-                for (i, p) in s.points().iter().enumerate() {
-                    let separator = if i == 0 { "" } else { ", " };
-                    write!(f, "{separator}{}", Vector(*p))?;
-                }
-                f.write_str("])")
-            }
-        }
     }
 }

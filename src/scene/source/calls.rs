@@ -1,0 +1,98 @@
+//! Calls of the language as text.
+
+use std::fmt::{self, Display};
+
+use crate::{
+    color::Color,
+    math::DAffine3,
+    scene::{
+        Geometry, Object, Scene, Term,
+        literal::{Components, Number, Text, Vector},
+    },
+    shape::Shape,
+};
+
+/// A term of a material.
+pub(super) struct Said(pub(super) Term);
+
+impl Display for Said {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Term { color, texture } = self.0;
+        match texture {
+            None => write!(f, "{}", Vector(color)),
+            Some(id) if color == Color::ONE => write!(f, "texture_{}", id.0),
+            Some(id) => write!(f, "texture_{} * vec3({})", id.0, Components(color)),
+        }
+    }
+}
+
+/// `loadMatrix([...]);`
+pub(super) struct Load<'a>(pub(super) &'a DAffine3);
+
+impl Display for Load<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (linear, t) = (self.0.matrix3, self.0.translation);
+        f.write_str("loadMatrix([")?;
+        for (i, t) in t.to_array().into_iter().enumerate() {
+            let separator = if i == 0 { "" } else { ", " };
+            write!(f, "{separator}{}, {}", Components(linear.row(i)), Number(t))?;
+        }
+        f.write_str("]);")
+    }
+}
+
+/// The call that makes an object, but for meshes.
+pub(super) struct Call<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) object: &'a Object,
+    pub(super) names: &'a [String],
+}
+
+impl Display for Call<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.object.geometry {
+            Geometry::Shape(shape) => write!(f, "{};", ShapeCall(shape)),
+            Geometry::Triangle(id) => {
+                let Some(triangle) = self.scene.triangles.get(id.index()) else {
+                    return Ok(());
+                };
+                let [a, b, c] = triangle.positions.map(Vector);
+                write!(f, "tri({a}, {b}, {c}")?;
+                for n in triangle.normals.into_iter().flatten() {
+                    write!(f, ", {}", Vector(n))?;
+                }
+                f.write_str(");")
+            }
+            Geometry::Instance(id) => {
+                let name = self.names.get(id.index()).map_or("", String::as_str);
+                write!(f, "instance({});", Text(name))
+            }
+            Geometry::Mesh(_) => Ok(()),
+        }
+    }
+}
+
+/// The call that makes a shape.
+struct ShapeCall<'a>(&'a Shape);
+
+impl Display for ShapeCall<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Shape::Sphere(s) => write!(f, "sphere({}, {})", Components(s.center()), Number(s.radius())),
+            Shape::Cuboid(s) => write!(f, "box({})", Components(s.size())),
+            Shape::Cylinder(s) => write!(f, "cylinder({}, {})", Number(s.radius()), Number(s.height())),
+            Shape::Cone(s) => write!(f, "cone({}, {})", Number(s.radius()), Number(s.height())),
+            Shape::Disk(s) => write!(f, "disk({})", Number(s.radius())),
+            Shape::Torus(s) => write!(f, "torus({}, {})", Number(s.major()), Number(s.minor())),
+            Shape::Plane(_) => f.write_str("plane()"),
+            Shape::Polygon(s) => {
+                f.write_str("polygon([")?;
+                for (i, p) in s.points().iter().enumerate() {
+                    let separator = if i == 0 { "" } else { ", " };
+                    write!(f, "{separator}{}", Vector(*p))?;
+                }
+                f.write_str("])")
+            }
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! Which textures a scene's materials name.
+
+use crate::scene::{Material, MaterialId, Scene, TextureId};
+
+/// For each texture whether objects name it themselves, or nothing does: not those that only files bring.
+pub(super) fn is_named(scene: &Scene) -> Vec<bool> {
+    let used = |materials: &mut dyn Iterator<Item = MaterialId>| {
+        let (mut is_known, mut is_used) = (
+            vec![false; scene.materials.len()],
+            vec![false; scene.textures.len()],
+        );
+        for id in materials {
+            let Some(known @ false) = is_known.get_mut(id.index()) else {
+                continue;
+            };
+            *known = true;
+            for texture in scene
+                .materials
+                .get(id.index())
+                .into_iter()
+                .flat_map(terms)
+                .flatten()
+            {
+                if let Some(used) = is_used.get_mut(texture.index()) {
+                    *used = true;
+                }
+            }
+        }
+        is_used
+    };
+    let objects = scene.groups.iter().flat_map(|group| &group.objects);
+    let faces = scene.meshes.iter().flat_map(|mesh| &mesh.face_materials);
+    let by_objects = used(&mut objects.map(|object| object.material));
+    let by_faces = used(&mut faces.copied());
+    let both = by_objects.into_iter().zip(by_faces);
+    both.map(|(by_object, by_face)| by_object || !by_face).collect()
+}
+
+/// Textures of a material in the order in which `material(#{ })` looks at its terms.
+pub(super) fn terms(material: &Material) -> impl Iterator<Item = Option<TextureId>> + use<> {
+    [
+        Some(material.ambient),
+        Some(material.diffuse),
+        Some(material.emission),
+        material.reflection,
+        Some(material.specular),
+        Some(material.transmission),
+    ]
+    .map(|term| term.and_then(|term| term.texture))
+    .into_iter()
+}
