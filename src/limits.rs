@@ -7,7 +7,7 @@ use std::time::Duration;
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Limits {
-    /// Bytes of script text. Default: 4 MiB.
+    /// Bytes of script text. Default: 32 MiB: several times what a scene of the gallery takes written out flat.
     pub source_bytes: usize,
     /// Operations of the script. Default: 500 million.
     pub operations: u64,
@@ -58,7 +58,7 @@ pub struct Limits {
 impl Default for Limits {
     fn default() -> Self {
         Self {
-            source_bytes: 4 << 20,
+            source_bytes: 32 << 20,
             operations: 500_000_000,
             script_time: Duration::from_secs(60),
             call_levels: 64,

@@ -290,7 +290,7 @@ fn an_unsaved_module_is_seen_by_the_script_that_imports_it() {
     assert_eq!(answer["capabilities"]["positionEncoding"], "utf-8");
     client.open(
         "scene.rhai",
-        "light([0, 0, 5], [1, 1, 1]);\nimport \"parts\" as parts;\n/* \u{1f600} */ parts::ball();\n",
+        "light([0, 0, 5], [1, 1, 1]); diffuse(1, 1, 1);\nimport \"parts\" as parts;\n/* \u{1f600} */ parts::ball();\n",
     );
     let found = client.diagnostics("scene.rhai", 1);
     assert!(
@@ -327,7 +327,7 @@ fn a_script_without_an_end_keeps_nobody_waiting() {
     client.change(
         "scene.rhai",
         2,
-        json!([{ "text": "light([0, 0, 5], [1, 1, 1]); sphere(0, 0, 0, 1);" }]),
+        json!([{ "text": "light([0, 0, 5], [1, 1, 1]); diffuse(1, 1, 1); sphere(0, 0, 0, 1);" }]),
     );
     assert_eq!(client.diagnostics("scene.rhai", 2), Vec::<Value>::new());
     assert_eq!(client.end(), 0);

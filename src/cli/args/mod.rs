@@ -10,8 +10,8 @@ mod watch;
 
 use clap::{Parser, Subcommand, ValueEnum};
 
-pub(super) use help::{CompletionsArgs, HelpArgs, LspArgs, ManArgs};
 pub(super) use ask::{BlameArgs, CheckArgs, DiffArgs, HashArgs, ParamsArgs, WhyArgs};
+pub(super) use help::{CompletionsArgs, HelpArgs, LspArgs, ManArgs};
 pub(super) use make::{ExpandArgs, NewArgs, RerunArgs, SweepArgs, VerifyArgs};
 pub(super) use render::{ConvertArgs, RenderArgs, ShowWhat, StatsFormat};
 pub(super) use shared::Overrides;
