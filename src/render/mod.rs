@@ -14,9 +14,7 @@ mod tiles;
 mod world;
 
 pub use film::{Image, quantize};
-pub use inspect::inspect;
-#[cfg(feature = "cli")]
-pub(crate) use inspect::unanswered;
+pub use inspect::{inspect, unanswered};
 pub use observe::RayKind;
 pub use world::{KeptTrees, RayHit, World};
 

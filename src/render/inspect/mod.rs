@@ -70,8 +70,7 @@ pub(super) fn after(world: &World<'_>, image: &Image, before: &[Diagnostic]) -> 
 
 /// A warning where there is light and no material that answers it: at the start, diffuse and specular are black. A scene
 /// may want that, so only who looks at a picture for the first time is to be told.
-#[cfg(feature = "cli")]
-pub(crate) fn unanswered(scene: &Scene) -> Option<Diagnostic> {
+pub fn unanswered(scene: &Scene) -> Option<Diagnostic> {
     let is_lit = scene.root().lights.iter().any(|light| light.color != Color::ZERO);
     let answers = |m: &Material| {
         !m.diffuse.is_black() || !m.specular.is_black() || m.reflection.is_some() || !m.is_opaque()
