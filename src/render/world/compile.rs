@@ -305,6 +305,7 @@ impl<'s> Compiler<'s, '_> {
     }
 
     /// A box around a primitive in its level's space; `None` where it has no end.
+    #[inline]
     fn bounds(&self, level: &Level, index: u32) -> Option<Bounds3> {
         match level.primitive(index) {
             Primitive::Triangle(i) => Some(Bounds3::around(level.corners(i))),

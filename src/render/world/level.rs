@@ -207,6 +207,7 @@ impl Level<'_> {
     }
 
     /// How much light a primitive can block, roughly.
+    #[inline]
     pub(super) fn blocking_area(&self, index: u32, bounds: Option<Bounds3>) -> f64 {
         match self.primitive(index) {
             Primitive::Triangle(i) => {
