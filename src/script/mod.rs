@@ -18,18 +18,18 @@ mod modules;
 mod names;
 mod power;
 mod recover;
+mod run;
 mod session;
 mod table;
 mod value;
 mod vocabulary;
 
+pub use run::{CallSite, Picture, Run, RunOptions};
 pub use table::{Entry, Group, Kind, Param, entries, entry};
 pub use vocabulary::{CONSTANTS, Constant, EXAMPLE_FILES, PROPERTIES, Property};
 
 use std::{
     any::Any,
-    collections::BTreeMap,
-    fmt,
     panic::{AssertUnwindSafe, catch_unwind},
     sync::{Arc, atomic::AtomicBool},
     thread,
@@ -40,11 +40,8 @@ use rhai::{AST, EvalAltResult, Position, Scope};
 use crate::{
     diag::{Diagnostic, Error, ErrorKind, Report},
     host::Host,
-    import::KeptAssets,
     limits::Limits,
-    parameters::{Declared, Parameters},
-    render::{Image, RenderOptions, RenderStats},
-    scene::{self, AssetFiles, GroupId, Scene},
+    scene::{GroupId, Scene},
 };
 use link::{Caller, Remote, StopOnDrop};
 use session::{Running, Source, State, Watch};
@@ -62,119 +59,6 @@ pub struct Script {
     source: Source,
     ast: AST,
     limits: Limits,
-}
-
-/// What the caller decides instead of the script. Where it is `None`, the script's own calls count.
-#[derive(Clone, Debug, Default)]
-#[non_exhaustive]
-pub struct RunOptions {
-    /// Picture size in pixels; `size(width, height)` then does nothing.
-    pub size: Option<(u32, u32)>,
-    /// Rays per pixel; `samples(n)` then does nothing.
-    pub samples: Option<u32>,
-    /// Seed; `seed(n)` then does nothing.
-    pub seed: Option<u64>,
-    /// Values of the parameters that the script declares by `param(name, default)`, as text: `"0.5"`, `"true"`.
-    pub parameters: BTreeMap<String, String>,
-    /// `render()` traces a single ray and gives a picture of that color: for a run of which only the scene counts.
-    pub dry: bool,
-    /// Looks for what is wrong with the script beyond what a run comes by, and adds it to the warnings: lines that never
-    /// ran, and calls there of functions that there are not.
-    pub lint: bool,
-    /// How `render()` renders.
-    pub render: RenderOptions,
-    /// Meshes and textures kept from one run to the next, for runs of nearly the same script; the scene is the same with
-    /// and without.
-    pub assets: Option<KeptAssets>,
-}
-
-impl From<&Parameters> for RunOptions {
-    fn from(parameters: &Parameters) -> Self {
-        Self {
-            size: parameters.size,
-            samples: parameters.samples,
-            seed: parameters.seed,
-            parameters: parameters.values.clone(),
-            ..Self::default()
-        }
-    }
-}
-
-/// What a script leaves behind.
-#[derive(Clone, Debug)]
-#[non_exhaustive]
-pub struct Run {
-    /// The scene as it stands at the end.
-    pub scene: Scene,
-    /// What its `render()` calls made, in order. Empty where it never calls it: render [`Run::scene`] then.
-    pub pictures: Vec<Picture>,
-    /// The parameters that it declared, in order.
-    pub parameters: Vec<Declared>,
-    /// Which files stand behind the scene's textures and meshes.
-    pub(crate) files: AssetFiles,
-    /// Where the run ended at a call that was looked for, how it came there.
-    pub(crate) calls: Vec<CallSite>,
-}
-
-impl Run {
-    /// Writes the scene as a script of its own, which gives a scene of the same [`Scene::hash`]: the language's own
-    /// calls, one entity a line, without loops, variables or functions; textures stand in constants, so that what shares
-    /// one shares it. Instances stay instances. Files that the scene was made from are named as they are, relative to
-    /// the folder of the scene, so the text belongs there.
-    ///
-    /// With `places` each line that makes something ends in a comment that says where the scene's script makes it.
-    /// Without, the text depends on nothing but the scene and the names of its groups and files.
-    ///
-    /// ```
-    /// use rtscript::{Limits, NoHost, RunOptions, Script};
-    /// let text = "for x in 0..2 { sphere(x, 0, 0, 0.5); }";
-    /// let script = Script::compile("a.rhai", text, &Limits::default())?;
-    /// let run = script.run(&NoHost, &RunOptions::default())?.value;
-    /// let mut flat = String::new();
-    /// let _ = run.write_source(true, &mut flat);
-    /// assert!(flat.ends_with("sphere(0, 0, 0, 0.5); // a.rhai:1:17\nsphere(1, 0, 0, 0.5); // a.rhai:1:17\n"));
-    /// # Ok::<(), rtscript::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    /// Whatever `out` answers.
-    pub fn write_source(&self, places: bool, out: &mut dyn fmt::Write) -> fmt::Result {
-        scene::write_source(&self.scene, &self.files, places, out)
-    }
-
-    /// Which files stand behind the scene's textures and meshes.
-    #[must_use]
-    pub fn files(&self) -> &AssetFiles {
-        &self.files
-    }
-}
-
-/// A place in a script from which something was called.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct CallSite {
-    /// The function that the call stands in, or `a closure`; `None` outside all functions.
-    pub function: Option<String>,
-    /// The file as its reader knows it.
-    pub file: String,
-    /// Line, from 1; 0 where unknown.
-    pub line: u32,
-    /// Column in characters, from 1; 0 where unknown.
-    pub column: u32,
-    /// It is an import of a module, whose code outside functions made the call, not a call.
-    pub imports: bool,
-}
-
-/// A picture that a script rendered.
-#[derive(Clone, Debug)]
-#[non_exhaustive]
-pub struct Picture {
-    /// The name it was written under, if any.
-    pub name: Option<String>,
-    /// The picture.
-    pub image: Image,
-    /// What rendering it took.
-    pub stats: RenderStats,
 }
 
 impl Script {
