@@ -2,6 +2,7 @@
 
 mod calls;
 mod lights;
+mod mesh;
 mod order;
 mod textures;
 
@@ -17,8 +18,8 @@ use self::{
     textures::{is_named, terms},
 };
 use super::{
-    Attenuation, Encoding, Geometry, Group, ImageTexture, LightKind, Material, MaterialId, Mesh, MeshId,
-    Object, ROOT_GROUP, Scene, Texels, Texture, TextureId, TransformId,
+    Attenuation, Encoding, Geometry, Group, ImageTexture, LightKind, Material, MaterialId, MeshId, Object,
+    ROOT_GROUP, Scene, Texels, Texture, TextureId, TransformId,
     literal::{Components, Number, Text, Vector},
 };
 use crate::diag::SourceLoc;
@@ -427,29 +428,6 @@ impl Writer<'_> {
                 self.next_texture = self.next_texture.max(texture.index() + 1);
             }
         }
-    }
-
-    /// The lists of a mesh, a vertex or a triangle a line.
-    fn mesh(&mut self, mesh: &Mesh) -> fmt::Result {
-        self.list("positions", mesh.positions.iter().map(|p| Components(*p)))?;
-        let triple = |[a, b, c]: &[u32; 3]| format!("{a}, {b}, {c}");
-        self.list("indices", mesh.triangles.iter().map(triple))?;
-        if let Some(normals) = &mesh.normals {
-            self.list("normals", normals.values.iter().map(|n| Components(*n)))?;
-        }
-        if let Some(uvs) = &mesh.uvs {
-            let pair = |uv: &crate::math::DVec2| format!("{}, {}", Number(uv.x), Number(uv.y));
-            self.list("uvs", uvs.values.iter().map(pair))?;
-        }
-        Ok(())
-    }
-
-    fn list(&mut self, name: &str, items: impl Iterator<Item = impl Display>) -> fmt::Result {
-        self.call(format_args!("    {name}: ["))?;
-        for item in items {
-            self.call(format_args!("        {item},"))?;
-        }
-        self.call("    ],")
     }
 
     fn lights(&mut self, group: &Group, part: Option<std::ops::Range<usize>>) -> fmt::Result {
