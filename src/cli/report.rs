@@ -33,12 +33,7 @@ impl Reporter {
     /// Shows the errors after the warnings that came before them.
     pub(super) fn error(self, error: &Error) {
         self.warnings(&error.warnings);
-        for (i, diagnostic) in error.all().enumerate() {
-            if i > 0 && self.format == MessageFormat::Text {
-                self.write_line("");
-            }
-            self.show(diagnostic);
-        }
+        error.all().for_each(|diagnostic| self.show(diagnostic));
     }
 
     /// Shows warnings.
@@ -49,12 +44,20 @@ impl Reporter {
     }
 
     fn show(self, diagnostic: &Diagnostic) {
-        if !(self.quiet && diagnostic.severity == Severity::Warning) {
-            self.write_line(&match self.format {
-                MessageFormat::Text => text(diagnostic, &Renderer::styled()),
-                MessageFormat::Json => as_json(diagnostic).to_string(),
-            });
+        if self.quiet && diagnostic.severity == Severity::Warning {
+            return;
         }
+        self.write_line(&match self.format {
+            MessageFormat::Text => {
+                let mut text = text(diagnostic, &Renderer::styled());
+                // What takes several lines is set apart from what follows.
+                if text.contains('\n') {
+                    text.push('\n');
+                }
+                text
+            }
+            MessageFormat::Json => as_json(diagnostic).to_string(),
+        });
     }
 
     /// Writes a line that is no diagnostic, unless quiet.
