@@ -51,7 +51,7 @@ pub struct Candidates {
 }
 
 impl Candidates {
-    const NONE: Self = Self {
+    pub(super) const NONE: Self = Self {
         possible: 0,
         certain: 0,
         t: [[0.0; BLOCK]; 2],

@@ -133,8 +133,10 @@ pub enum LeafKind {
     Triangles = 0,
     /// Blocks of spheres.
     Spheres = 1,
+    /// Blocks of boxes.
+    Cuboids = 2,
     /// Places of the primitive order, to be looked at one by one.
-    Others = 2,
+    Others = 3,
 }
 
 /// A node's index, or a leaf: consecutive blocks or places.
@@ -180,11 +182,12 @@ impl Child {
         match self.0 >> Self::KIND_SHIFT & 3 {
             0 => LeafKind::Triangles,
             1 => LeafKind::Spheres,
+            2 => LeafKind::Cuboids,
             _ => LeafKind::Others,
         }
     }
 
-    /// The first block or place that a leaf covers; a leaf of triangles or spheres covers no other.
+    /// The first block or place that a leaf covers; a leaf that is a block covers no other.
     #[inline(always)]
     #[must_use]
     pub fn first(self) -> usize {

@@ -7,6 +7,7 @@
 mod blocks;
 mod boxes;
 mod build;
+mod cuboids;
 mod four;
 mod lanes;
 mod packet;
@@ -17,9 +18,10 @@ mod traverse;
 pub use blocks::{BLOCK, Candidates, NONE, Range, Spheres, Triangles};
 pub use boxes::{Box32, Child, LeafKind, round_down, round_up};
 pub use build::{Bvh, Kinds, Leaves, Primitive};
+pub use cuboids::Cuboids;
 pub use lanes::{Lanes, Simd, prefetch};
 pub use packet::{DONE, Decide, PACKET, Place, RayPacket, Search, rays};
-pub use ray::{Ray32, RayBlock, RayBox, RaySphere};
+pub use ray::{Ray32, RayBlock, RayBox, RayCuboid, RaySphere};
 pub use shaft::Shaft;
 pub use traverse::{Control, Visitor};
 

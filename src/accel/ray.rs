@@ -217,6 +217,35 @@ impl RayBlock {
     }
 }
 
+/// A ray prepared for the tests of a level's boxes; `cuboids.rs` derives the error, and what M and S are.
+#[derive(Clone, Copy, Debug)]
+pub struct RayCuboid {
+    pub(super) origin: [f32; 4],
+    pub(super) dir: [f32; 4],
+    /// How far a box's faces are moved, to be multiplied by S. Infinite where every box is possible.
+    pub(super) slack: f32,
+}
+
+impl RayCuboid {
+    /// Prepares a ray for a level whose boxes' coordinates are at most `extent` in size.
+    #[inline(always)]
+    #[must_use]
+    pub fn new(ray: &Ray32, extent: f32) -> Self {
+        let m = larger(largest(ray.far), extent);
+        let long = largest(ray.long);
+        let usual = m < power(40) && (power(-40)..power(40)).contains(&long);
+        Self {
+            origin: ray.origin.to_array(),
+            dir: ray.dir.to_array(),
+            slack: if usual {
+                44.0 * power(-24) * m
+            } else {
+                f32::INFINITY
+            },
+        }
+    }
+}
+
 /// What the tests of spheres need besides.
 #[derive(Clone, Copy, Debug)]
 pub struct RaySphere {

@@ -67,6 +67,23 @@ impl Shaft {
             .all(|(n, d)| corners.iter().any(|p| n.dot(*p) >= *d))
     }
 
+    /// Whether a box may touch the shaft: the points within all three half edges of a center.
+    #[must_use]
+    pub fn touches_cuboid(&self, center: DVec3, half_edges: [DVec3; 3]) -> bool {
+        let reach = half_edges.iter().fold(DVec3::ZERO, |sum, edge| sum + edge.abs());
+        // Far more than the rounding of the numbers given.
+        let slack = 1e-9 * (max_abs(center) + max_abs(reach));
+        let reach = reach + slack;
+        let overlaps = (0..3).all(|k| {
+            center[k] + reach[k] >= f64::from(self.min[k]) && center[k] - reach[k] <= f64::from(self.max[k])
+        });
+        overlaps
+            && self.faces.iter().all(|(n, d)| {
+                let reach: f64 = half_edges.iter().map(|edge| n.dot(*edge).abs()).sum();
+                n.dot(center) >= d - reach - slack
+            })
+    }
+
     /// One bit for each child of a node whose box may touch the shaft.
     #[inline]
     fn touched(&self, planes: &[[f32; 8]; 6]) -> u32 {

@@ -40,6 +40,11 @@ impl Cuboid {
         self.half * 2.0
     }
 
+    /// Half of [`Cuboid::size`]: the box reaches from minus this to this.
+    pub(crate) fn half(&self) -> DVec3 {
+        self.half
+    }
+
     pub(super) fn bounds(&self) -> Option<Bounds3> {
         Some(Bounds3::new(-self.half, self.half))
     }

@@ -1,9 +1,7 @@
 //! The binary tree over one subtree. On the way up each node learns what it costs as 1 to 8 children of a wide
 //! node.
 
-use super::{
-    APART, Aabb, Context, Items, Kinds, LEAF_MAX, Load, NODE_COST, Primitive, Summary, divide::halves,
-};
+use super::{APART, Aabb, Context, Items, Kinds, LEAF_MAX, NODE_COST, Primitive, Summary, divide::halves};
 use crate::accel::{boxes::Box32, four::F4};
 
 /// A node of the binary tree over consecutive items.
@@ -82,12 +80,12 @@ fn few(items: &mut [Primitive], kinds: Kinds, bounds: &Aabb, first: usize, out: 
             middle += 1;
         }
     }
-    let load = Load::all(items, kinds);
+    let as_leaf = kinds.leaf_cost(items);
     let (left_items, right_items) = items.split_at_mut(middle);
     few(left_items, kinds, &around(left), first, out);
     let left_node = out.len() - 1;
     few(right_items, kinds, &around(all & !left), first + middle, out);
-    out.push(Binary::join(out, left_node, bounds, Some(load)));
+    out.push(Binary::join(out, left_node, bounds, Some(as_leaf)));
 }
 
 impl Binary {
@@ -95,7 +93,7 @@ impl Binary {
         Self {
             bounds: bounds.to_box(),
             area: items.iter().map(Primitive::area).sum(),
-            cost: [bounds.half_area() * Load::all(items, kinds).cost(); 8],
+            cost: [bounds.half_area() * kinds.leaf_cost(items); 8],
             left: 0,
             first: first as u32,
             count: items.len() as u8,
@@ -122,7 +120,7 @@ impl Binary {
     /// The node above the one at `left` and the last. The least cost as j children is the least sum over all ways to share j between the
     /// parts (Wald, Benthin and Boulos, "Getting rid of packets", 2008, do this greedily; by dynamic programming
     /// it is exact).
-    pub(super) fn join(nodes: &[Self], left: usize, bounds: &Aabb, leaf: Option<Load>) -> Self {
+    pub(super) fn join(nodes: &[Self], left: usize, bounds: &Aabb, leaf: Option<f32>) -> Self {
         let (l, r) = (&nodes[left], &nodes[nodes.len() - 1]);
         // Behind infinities, so that loading from k places before gives the costs of the rest, j - k.
         let mut rest = [f32::INFINITY; 16];
@@ -137,7 +135,7 @@ impl Binary {
         let own = high.to_array()[3];
         let half_area = bounds.half_area();
         let mut one = half_area * NODE_COST + own;
-        let as_leaf = leaf.map(|load| half_area * load.cost());
+        let as_leaf = leaf.map(|cost| half_area * cost);
         let is_leaf = as_leaf.is_some_and(|cost| cost <= one);
         if let Some(cost) = as_leaf
             && is_leaf

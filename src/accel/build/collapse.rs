@@ -70,6 +70,7 @@ pub(super) fn collapse(top: Part<'_>, context: &Context<'_>) -> Collapsed {
             output.others.shrink_to_fit();
             output.leaves.triangles.shrink_to_fit();
             output.leaves.spheres.shrink_to_fit();
+            output.leaves.cuboids.shrink_to_fit();
             (child, output)
         })
         .collect();
@@ -107,6 +108,7 @@ impl Collapsed {
             .triangles
             .reserve_exact(total(|o| o.leaves.triangles.len()));
         leaves.spheres.reserve_exact(total(|o| o.leaves.spheres.len()));
+        leaves.cuboids.reserve_exact(total(|o| o.leaves.cuboids.len()));
         let above = top.len();
         all.nodes.extend(top);
         let roots: Vec<Child> = parts
@@ -196,10 +198,11 @@ impl Output {
             }
         }
         indices.sort_unstable();
-        let kind = kinds.of(indices[0]);
+        let kind = items.first().map_or(LeafKind::Others, |item| kinds.of(item));
         let blocks = match kind {
             LeafKind::Triangles => &mut self.leaves.triangles,
             LeafKind::Spheres => &mut self.leaves.spheres,
+            LeafKind::Cuboids => &mut self.leaves.cuboids,
             LeafKind::Others => {
                 self.others.extend_from_slice(&indices[..items.len()]);
                 return Child::leaf(kind, self.others.len() - items.len(), items.len());
@@ -214,6 +217,7 @@ impl Output {
         let first = [
             self.leaves.triangles.len(),
             self.leaves.spheres.len(),
+            self.leaves.cuboids.len(),
             self.others.len(),
         ];
         let first_node = self.nodes.len();
@@ -238,6 +242,7 @@ impl Output {
         self.others.extend(part.others);
         self.leaves.triangles.extend(part.leaves.triangles);
         self.leaves.spheres.extend(part.leaves.spheres);
+        self.leaves.cuboids.extend(part.leaves.cuboids);
         moved(root)
     }
 }

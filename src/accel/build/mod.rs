@@ -56,6 +56,8 @@ pub struct Leaves {
     pub triangles: Vec<[u32; BLOCK]>,
     /// Blocks of [`LeafKind::Spheres`], counted as all primitives are, triangles first.
     pub spheres: Vec<[u32; BLOCK]>,
+    /// Blocks of [`LeafKind::Cuboids`], counted as all primitives are.
+    pub cuboids: Vec<[u32; BLOCK]>,
 }
 
 /// What the builder knows of a primitive: a box, and in the fourth lanes its index and its area.
@@ -70,6 +72,8 @@ impl Primitive {
     /// With these bits added an index is an f32 between 2 and 2^17. Were it left a tiny number, arithmetic on all
     /// lanes would be slow.
     const INDEX: u32 = 0x4000_0000;
+    /// Added to the index of a box that shares blocks; what it makes of it is no more than 2^34.
+    const CUBOID: u32 = 0x1000_0000;
 
     /// A primitive with a box around it; one in an empty box is never found. `area` says how much light it can
     /// block, its surface area, roughly; it decides only the order in which shadow rays look.
@@ -83,11 +87,25 @@ impl Primitive {
         }
     }
 
+    /// The same, which may be known as a box: those share blocks, but are numbered among the others.
+    #[inline]
+    #[must_use]
+    pub fn with_cuboid(mut self, is_cuboid: bool) -> Self {
+        let mark = if is_cuboid { Self::CUBOID } else { 0 };
+        self.min[3] = f32::from_bits(self.min[3].to_bits() | mark);
+        self
+    }
+
+    #[inline(always)]
+    fn is_cuboid(&self) -> bool {
+        self.min[3].to_bits() & Self::CUBOID != 0
+    }
+
     /// Its index.
     #[inline(always)]
     #[must_use]
     pub fn index(&self) -> u32 {
-        self.min[3].to_bits() ^ Self::INDEX
+        self.min[3].to_bits() & !(Self::INDEX | Self::CUBOID)
     }
 
     /// All that the builder knows of it, as bits: of two that have the same, either will do.
@@ -123,8 +141,8 @@ impl Primitive {
     }
 }
 
-/// How many primitives there are of the kinds that share blocks. They are numbered in the order of the fields,
-/// and all others after them.
+/// How many primitives there are of the kinds that share blocks and have numbers of their own. They are numbered in
+/// the order of the fields, and all others after them.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Kinds {
     /// Triangles.
@@ -135,20 +153,30 @@ pub struct Kinds {
 
 impl Kinds {
     #[inline]
-    fn of(self, index: u32) -> LeafKind {
-        let index = index as usize;
+    fn of(self, item: &Primitive) -> LeafKind {
+        let index = item.index() as usize;
         if index < self.triangles {
             LeafKind::Triangles
         } else if index < self.triangles + self.spheres {
             LeafKind::Spheres
+        } else if item.is_cuboid() {
+            LeafKind::Cuboids
         } else {
             LeafKind::Others
         }
     }
 
+    /// Cost of a leaf of these, which are of one kind, in tests of one block.
+    fn leaf_cost(self, items: &[Primitive]) -> f32 {
+        match items.first().map(|item| self.of(item)) {
+            Some(LeafKind::Others) => (ALONE_COST * items.len() as u32) as f32,
+            _ => 1.0,
+        }
+    }
+
     /// Whether all of these may stand in one leaf.
     fn are_one(self, items: &[Primitive]) -> bool {
-        let mut kinds = items.iter().map(|item| self.of(item.index()));
+        let mut kinds = items.iter().map(|item| self.of(item));
         kinds.next().is_none_or(|first| kinds.all(|kind| kind == first))
     }
 }
@@ -282,7 +310,8 @@ impl Aabb {
     }
 }
 
-/// Numbers of primitives that share blocks (low half) and of those that stand alone (high half).
+/// Numbers of triangles and spheres, which share blocks (low half), and of all others (high half). Boxes share blocks
+/// as well, but where they count as if they stood alone they are sooner divided from what they cannot stand with.
 #[derive(Clone, Copy, Default)]
 struct Load(u64);
 
@@ -291,10 +320,6 @@ impl Load {
     fn of(item: &Primitive, kinds: Kinds) -> Self {
         let shares = (item.index() as usize) < kinds.triangles + kinds.spheres;
         Self(if shares { 1 } else { 1 << 32 })
-    }
-
-    fn all(items: &[Primitive], kinds: Kinds) -> Self {
-        Self(items.iter().map(|item| Self::of(item, kinds).0).sum())
     }
 
     #[inline(always)]
@@ -357,7 +382,7 @@ impl Summary {
 
 impl Bvh {
     /// A tree over `primitives`, on the threads of the current pool. The primitives of a leaf are of one kind; the
-    /// second value says which stand in each leaf of triangles or spheres.
+    /// second value says which stand in each leaf that is a block.
     ///
     /// Where boxes overlap much, triangles are cut in two and stand in several leaves, `cuts` of them for each
     /// triangle at the most. Their corners are asked from `corners`.

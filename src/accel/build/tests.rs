@@ -53,18 +53,19 @@ fn every_primitive_stands_in_one_leaf_and_threads_do_not_matter() {
             pool.install(|| Bvh::build(primitives(n), kinds, 0.0, |_| [DVec3::ZERO; 3]))
         };
         let (bvh, leaves) = with_threads(1);
-        let mut found = Vec::new();
+        let mut found: Vec<u32> = Vec::new();
         let boxes = primitives(n);
         walk(&bvh, 0, &mut |leaf, bounds| {
             let indices = match leaf.kind() {
                 LeafKind::Others => bvh.others(leaf),
                 LeafKind::Triangles => leaves.triangles[leaf.range()].as_flattened(),
                 LeafKind::Spheres => leaves.spheres[leaf.range()].as_flattened(),
+                LeafKind::Cuboids => leaves.cuboids[leaf.range()].as_flattened(),
             };
             let before = found.len();
             found.extend(indices.iter().filter(|index| **index != crate::accel::NONE));
             for &index in &found[before..] {
-                assert_eq!(kinds.of(index), leaf.kind());
+                assert_eq!(kinds.of(&boxes[index as usize]), leaf.kind());
                 assert_eq!(boxes[index as usize].bounds().union(bounds), *bounds);
             }
         });
@@ -73,6 +74,7 @@ fn every_primitive_stands_in_one_leaf_and_threads_do_not_matter() {
         let (other, other_leaves) = with_threads(3);
         assert_eq!(leaves.triangles, other_leaves.triangles);
         assert_eq!(leaves.spheres, other_leaves.spheres);
+        assert_eq!(leaves.cuboids, other_leaves.cuboids);
         assert_eq!(bvh.others, other.others);
         let same = |(a, b): (&Node, &Node)| a.planes == b.planes && a.children == b.children;
         assert!(bvh.nodes.iter().zip(&other.nodes).all(same));

@@ -1,4 +1,4 @@
-//! Leaves against the rays of a packet: one triangle or sphere at a time, a register of rays at once.
+//! Leaves against the rays of a packet: one triangle, sphere or box at a time, a register of rays at once.
 //!
 //! As the rays start at one point, what depends on the point alone is found once for each triangle: with
 //! s = o - a the edge functions are u = d (e2 x s) and v = d (s x e1), the determinant is d (e2 x e1), and
@@ -10,6 +10,7 @@
 use super::{PACKET, RayPacket, Row, wide::Wide};
 use crate::accel::{
     blocks::{BLOCK, Spheres, Triangles},
+    cuboids::Cuboids,
     four::F4,
 };
 
@@ -216,6 +217,64 @@ impl RayPacket {
                 | w.bits(w.below(w.add(around, t), zero))
                 | w.bits(w.below(w.load(&self.bound, group), w.sub(t, around)));
             possible |= (!outside & here) << shift;
+        }
+        possible
+    }
+}
+
+impl RayPacket {
+    /// How far the faces of boxes are moved, to be multiplied by their S; see `accel/cuboids.rs`.
+    #[inline(always)]
+    pub(super) fn cuboid_slack(&self, extent: f32) -> f32 {
+        let m = self.origin.iter().fold(extent, |m, x| m.max(x.abs()));
+        if m < (1u64 << 40) as f32 {
+            m * (44.0 / (1 << 24) as f32)
+        } else {
+            f32::INFINITY
+        }
+    }
+
+    /// Which of the `active` rays may hit a block's box before their bound. As a single ray's test, with the start
+    /// taken into the box's space once.
+    #[inline(always)]
+    pub(super) fn cuboid<W: Wide>(&self, w: W, block: &Cuboids, lane: usize, slack: f32, active: u64) -> u64 {
+        let lane = lane & (BLOCK - 1);
+        let zero = w.splat(0.0);
+        let (mut rows, mut least, mut most) = ([[zero; 3]; 3], [zero; 3], [zero; 3]);
+        for i in 0..3 {
+            let row = [
+                block.rows[i][0][lane],
+                block.rows[i][1][lane],
+                block.rows[i][2][lane],
+            ];
+            let [x, y, z] = self.origin;
+            let o = row[0] * x + (row[1] * y + (row[2] * z + block.offset[i][lane]));
+            let outer = 1.0 + slack * block.size[i][lane];
+            rows[i] = w.splat3(row);
+            least[i] = w.splat(-outer - o);
+            most[i] = w.splat(outer - o);
+        }
+        let (one, smallest) = (w.splat(1.0), w.splat(f32::MIN_POSITIVE));
+        let mut possible = 0;
+        let all = u64::MAX >> (PACKET - W::LANES);
+        for group in 0..PACKET / W::LANES {
+            let shift = group * W::LANES;
+            let here = active >> shift & all;
+            if here == 0 {
+                continue;
+            }
+            let d = w.load3(&self.dir, group);
+            let (mut near, mut far) = (zero, w.load(&self.bound, group));
+            for i in 0..3 {
+                let along = w.dot(rows[i], d);
+                let sign = w.sign(along);
+                let inverse = w.flip(w.div(one, w.max(w.flip(along, sign), smallest)), sign);
+                let (a, b) = (w.mul(least[i], inverse), w.mul(most[i], inverse));
+                // A NaN is in both or neither, and as the first operand leaves the other as it was.
+                near = w.max(w.min(a, b), near);
+                far = w.min(w.max(a, b), far);
+            }
+            possible |= (!w.bits(w.below(far, near)) & here) << shift;
         }
         possible
     }

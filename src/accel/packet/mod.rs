@@ -3,7 +3,7 @@
 //! Rays that leave one point in nearly one direction, as those of neighboring pixels or those towards the samples
 //! of an area light do, meet the same nodes and the same leaves. A packet reads these once. At inner nodes the
 //! pyramid around all its rays is tested against eight children at once, at leaves eight rays at once against one
-//! box, then against one triangle or sphere. As with single rays all of this is a conservative filter in f32, and
+//! box, then against one triangle, sphere or box. As with single rays all of this is a conservative filter in f32, and
 //! what it lets through is decided in f64, ray by ray: a packet finds what its rays would find alone.
 //!
 //! (Overbeck, Ramamoorthi and Mark, "Large ray packets for real-time Whitted ray tracing", 2008; Wald, Ize,

@@ -16,6 +16,7 @@ use crate::{
         Bvh, Child, LeafKind, NONE,
         blocks::{BLOCK, Spheres, Triangles},
         boxes::Node,
+        cuboids::Cuboids,
         lanes::prefetch,
     },
     math::Ray,
@@ -33,7 +34,8 @@ pub trait Decide {
     fn last(&mut self, pairs: &[(u8, u32)], packet: &mut RayPacket);
     /// A ray may hit a sphere.
     fn sphere(&mut self, ray: usize, id: u32) -> f32;
-    /// Rays, one bit for each, may hit a primitive of another kind. The answers go to [`RayPacket::lower_bound`].
+    /// Rays, one bit for each, may hit a box or a primitive of another kind. The answers go to
+    /// [`RayPacket::lower_bound`].
     fn other(&mut self, rays: u64, index: u32, packet: &mut RayPacket);
     /// Whether a triangle that is certainly hit ends the search of whoever hits it.
     fn ends(&self, id: u32) -> bool;
@@ -48,6 +50,10 @@ pub struct Place<'a> {
     pub triangles: &'a [Triangles],
     /// Blocks of spheres.
     pub spheres: &'a [Spheres],
+    /// Blocks of boxes.
+    pub cuboids: &'a [Cuboids],
+    /// Largest coordinate of the boxes in those.
+    pub cuboid_extent: f32,
 }
 
 impl Place<'_> {
@@ -381,6 +387,20 @@ impl RayPacket {
                         let id = block.ids[lane];
                         for ray in rays(self.sphere(w, block, lane, active)) {
                             self.lower_bound(ray, decide.sphere(ray, id));
+                        }
+                    }
+                }
+            }
+            LeafKind::Cuboids => {
+                let slack = self.cuboid_slack(place.cuboid_extent);
+                for block in &place.cuboids[leaf.range()] {
+                    for lane in 0..BLOCK {
+                        let id = block.ids[lane];
+                        if id != NONE {
+                            let mask = self.cuboid(w, block, lane, slack, active);
+                            if mask != 0 {
+                                decide.other(mask, id, self);
+                            }
                         }
                     }
                 }

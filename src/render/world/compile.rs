@@ -10,7 +10,7 @@ use super::{
     level::{Instance, Level, PlacedShape, PlacedSphere, Primitive, TriangleRun, TriangleSource},
 };
 use crate::{
-    accel::{self, Box32, Bvh, Kinds, NONE, Spheres, Triangles},
+    accel::{self, BLOCK, Box32, Bvh, Cuboids, Kinds, NONE, Spheres, Triangles},
     diag::{Diagnostic, Error, ErrorKind},
     math::{Bounds3, DAffine3, DMat3, DVec3, is_singular},
     scene::{Geometry, GroupId, MaterialId, Mesh, MeshId, Object, ROOT_GROUP, Scene},
@@ -229,11 +229,15 @@ impl<'s> Compiler<'s, '_> {
                 let bounds = self.bounds(&level, index);
                 let area = level.blocking_area(index, bounds) as f32;
                 let around = bounds.map_or(Box32::EVERYTHING, |b| Box32::around(&b));
-                accel::Primitive::new(index, around, area)
+                accel::Primitive::new(index, around, area).with_cuboid(level.cuboid(index).is_some())
             })
             .collect();
         let blocks = &primitives[..kinds.triangles + kinds.spheres];
         level.extent = f64::from(union(blocks).extent());
+        let extents = level
+            .cuboids()
+            .map(|(index, ..)| primitives[index as usize].bounds().extent());
+        level.cuboid_extent = extents.fold(0.0, f32::max);
         let around = union(&primitives);
         level.bounds = around.extent().is_finite().then(|| around.to_bounds());
         if level.bounds.is_none() {
@@ -339,40 +343,37 @@ impl<'s> Compiler<'s, '_> {
 fn build_tree(level: &mut Level<'_>, primitives: Vec<accel::Primitive>, kinds: Kinds, cuts: f64) {
     let (bvh, leaves) = Bvh::build(primitives, kinds, cuts, |index| level.corners(index));
     level.bvh = bvh;
-    level.triangle_blocks = leaves
-        .triangles
-        .into_par_iter()
-        .with_min_len(PIECE)
-        .map(|indices| {
-            let mut block = Triangles::EMPTY;
-            for (lane, index) in indices
-                .into_iter()
-                .enumerate()
-                .filter(|(_, index)| *index != NONE)
-            {
-                block.set(lane, index, level.corners(index));
+    level.triangle_blocks = blocks(leaves.triangles, Triangles::EMPTY, |block, lane, index| {
+        block.set(lane, index, level.corners(index));
+    });
+    level.sphere_blocks = blocks(leaves.spheres, Spheres::EMPTY, |block, lane, index| {
+        let index = index - kinds.triangles as u32;
+        let sphere = &level.spheres[index as usize];
+        block.set(lane, index, sphere.center, sphere.radius);
+    });
+    level.cuboid_blocks = blocks(leaves.cuboids, Cuboids::EMPTY, |block, lane, index| {
+        if let Some((cuboid, object_from_level)) = level.cuboid(index) {
+            block.set(lane, index, object_from_level, cuboid.half());
+        }
+    });
+}
+
+/// A block for each leaf; `set` puts the primitive of an index into a lane.
+fn blocks<B: Copy + Send + Sync>(
+    leaves: Vec<[u32; BLOCK]>,
+    empty: B,
+    set: impl Fn(&mut B, usize, u32) + Sync,
+) -> Vec<B> {
+    let block = |indices: [u32; BLOCK]| {
+        let mut block = empty;
+        for (lane, index) in indices.into_iter().enumerate() {
+            if index != NONE {
+                set(&mut block, lane, index);
             }
-            block
-        })
-        .collect();
-    level.sphere_blocks = leaves
-        .spheres
-        .into_par_iter()
-        .with_min_len(PIECE)
-        .map(|indices| {
-            let mut block = Spheres::EMPTY;
-            for (lane, index) in indices
-                .into_iter()
-                .enumerate()
-                .filter(|(_, index)| *index != NONE)
-            {
-                let index = index - kinds.triangles as u32;
-                let sphere = &level.spheres[index as usize];
-                block.set(lane, index, sphere.center, sphere.radius);
-            }
-            block
-        })
-        .collect();
+        }
+        block
+    };
+    leaves.into_par_iter().with_min_len(PIECE).map(block).collect()
 }
 
 /// The groups that are seen: those the root places, directly or not, inner ones first, and last the root.

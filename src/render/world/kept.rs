@@ -1,6 +1,6 @@
 //! Trees that outlive a world, for the next world that has the same shapes in the same places.
 //!
-//! A tree is known by all that it is made from: the corners of triangles, spheres, the boxes of everything else. So it
+//! A tree is known by all that it is made from: the corners of triangles, spheres, boxes, and the bounds of everything. So it
 //! does not matter which scene it was built for, and a tree that is taken over is the one that would be built.
 
 use std::{
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::{World, level::Level};
 use crate::{
-    accel::{self, Bvh, Spheres, Triangles},
+    accel::{self, Bvh, Cuboids, Spheres, Triangles},
     diag::Error,
     scene::Scene,
 };
@@ -50,17 +50,22 @@ struct Tree {
     bvh: Bvh,
     triangle_blocks: Vec<Triangles>,
     sphere_blocks: Vec<Spheres>,
+    cuboid_blocks: Vec<Cuboids>,
 }
 
 impl Tree {
     fn bytes(&self) -> usize {
-        self.bvh.bytes() + size_of_val(&*self.triangle_blocks) + size_of_val(&*self.sphere_blocks)
+        self.bvh.bytes()
+            + size_of_val(&*self.triangle_blocks)
+            + size_of_val(&*self.sphere_blocks)
+            + size_of_val(&*self.cuboid_blocks)
     }
 
     fn swap(&mut self, level: &mut Level<'_>) {
         mem::swap(&mut self.bvh, &mut level.bvh);
         mem::swap(&mut self.triangle_blocks, &mut level.triangle_blocks);
         mem::swap(&mut self.sphere_blocks, &mut level.sphere_blocks);
+        mem::swap(&mut self.cuboid_blocks, &mut level.cuboid_blocks);
     }
 }
 
@@ -89,6 +94,13 @@ impl Key {
         add(&hash_of(&level.spheres, |sphere| {
             let [x, y, z] = sphere.center.to_array();
             [x, y, z, sphere.radius].map(f64::to_le_bytes)
+        }));
+        let cuboids: Vec<_> = level.cuboids().collect();
+        add(&(cuboids.len() as u64).to_le_bytes());
+        add(&hash_of(&cuboids, |(_, cuboid, object_from_level)| {
+            let [a, b, c, d, e, f, g, h, i, j, k, l] = object_from_level.to_cols_array();
+            let [x, y, z] = cuboid.half().to_array();
+            [a, b, c, d, e, f, g, h, i, j, k, l, x, y, z].map(f64::to_le_bytes)
         }));
         // The boxes of the others are all that is known of them.
         let others = primitives.partition_point(|primitive| (primitive.index() as usize) < blocks);

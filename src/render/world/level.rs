@@ -3,10 +3,10 @@
 use std::borrow::Cow;
 
 use crate::{
-    accel::{Bvh, Spheres, Triangles, prefetch},
+    accel::{Bvh, Cuboids, Spheres, Triangles, prefetch},
     math::{Bounds3, DAffine3, DMat3, DVec3, Ray},
     scene::{GroupId, MeshId, TriangleId},
-    shape::Shape,
+    shape::{Cuboid, Shape},
 };
 
 /// The primitives of one group. Their numbers run through the kinds in the order of the fields: triangles,
@@ -26,8 +26,11 @@ pub(crate) struct Level<'s> {
     pub(super) bvh: Bvh,
     pub(super) triangle_blocks: Vec<Triangles>,
     pub(super) sphere_blocks: Vec<Spheres>,
+    pub(super) cuboid_blocks: Vec<Cuboids>,
     /// Largest coordinate of triangles and spheres.
     pub(super) extent: f64,
+    /// Largest coordinate of boxes.
+    pub(super) cuboid_extent: f32,
     /// Primitives without bounds, which every ray must try.
     pub(super) unbounded: Vec<u32>,
     /// A box around everything; `None` where something has no end.
@@ -182,7 +185,30 @@ impl Level<'_> {
         }
     }
 
-    /// Whether there are triangles or spheres.
+    /// The boxes that stand in blocks: index of the primitive, shape and the way into its space.
+    pub(super) fn cuboids(&self) -> impl Iterator<Item = (u32, &Cuboid, &DAffine3)> {
+        let first = (self.triangles.len() + self.spheres.len()) as u32;
+        (first..)
+            .zip(&self.shapes)
+            .filter_map(|(index, placed)| match &placed.shape {
+                Shape::Cuboid(cuboid) => Some((index, cuboid, &placed.object_from_level)),
+                _ => None,
+            })
+    }
+
+    /// A box that stands in blocks.
+    pub(super) fn cuboid(&self, index: u32) -> Option<(&Cuboid, &DAffine3)> {
+        let Primitive::Shape(i) = self.primitive(index) else {
+            return None;
+        };
+        let placed = self.shapes.get(i as usize)?;
+        match &placed.shape {
+            Shape::Cuboid(cuboid) => Some((cuboid, &placed.object_from_level)),
+            _ => None,
+        }
+    }
+
+    /// Whether there are blocks of triangles or spheres.
     #[inline]
     pub(super) fn has_blocks(&self) -> bool {
         !(self.triangle_blocks.is_empty() && self.sphere_blocks.is_empty())
@@ -191,10 +217,12 @@ impl Level<'_> {
     /// Where the blocks of one kind begin, and the bytes of one: what a search asks for before it needs it.
     #[inline(always)]
     pub(super) fn block_memory(&self) -> (*const u8, usize) {
-        if self.triangle_blocks.is_empty() {
+        if !self.triangle_blocks.is_empty() {
+            (self.triangle_blocks.as_ptr().cast(), size_of::<Triangles>())
+        } else if !self.sphere_blocks.is_empty() {
             (self.sphere_blocks.as_ptr().cast(), size_of::<Spheres>())
         } else {
-            (self.triangle_blocks.as_ptr().cast(), size_of::<Triangles>())
+            (self.cuboid_blocks.as_ptr().cast(), size_of::<Cuboids>())
         }
     }
 
@@ -237,6 +265,7 @@ impl Level<'_> {
             + size_of_val(&*self.transparent)
             + size_of_val(&*self.triangle_blocks)
             + size_of_val(&*self.sphere_blocks)
+            + size_of_val(&*self.cuboid_blocks)
             + self.bvh.bytes()
     }
 }

@@ -99,6 +99,8 @@ impl World<'_> {
             bvh: &level.bvh,
             triangles: &level.triangle_blocks,
             spheres: &level.sphere_blocks,
+            cuboids: &level.cuboid_blocks,
+            cuboid_extent: level.cuboid_extent,
         };
         let mut bounds = [DONE; PACKET];
         for (bound, query) in bounds.iter_mut().zip(&*queries) {

@@ -102,6 +102,11 @@ impl World<'_> {
                         .filter(|&id| id != NONE)
                         .map(|id| level.triangles.len() as u32 + id)
                         .all(|index| !view.may_meet(index) || few.push(level, index)),
+                    LeafKind::Cuboids => level.cuboid_blocks[leaf.range()]
+                        .iter()
+                        .flat_map(|block| block.ids)
+                        .filter(|&id| id != NONE)
+                        .all(|index| !view.may_meet(index) || few.push(level, index)),
                     LeafKind::Others => level.bvh.others(leaf).iter().all(|&index| {
                         !matches!(level.primitive(index), Primitive::Instance(_))
                             && (!view.may_meet(index) || few.push(level, index))
@@ -129,7 +134,14 @@ impl View<'_> {
                 match &placed.shape {
                     Shape::Plane(_) => self.may_cross_plane(&placed.object_from_level, is_start),
                     // A convex solid is all on one side of the plane that touches it.
-                    Shape::Sphere(_) | Shape::Cuboid(_) | Shape::Cylinder(_) | Shape::Cone(_) => {
+                    Shape::Cuboid(_) if is_start && self.leaves_outwards => false,
+                    Shape::Cuboid(cuboid) => {
+                        let level_from_object = placed.object_from_level.inverse();
+                        let (m, half) = (level_from_object.matrix3, cuboid.half());
+                        let edges = [m.x_axis * half.x, m.y_axis * half.y, m.z_axis * half.z];
+                        self.shaft.touches_cuboid(level_from_object.translation, edges)
+                    }
+                    Shape::Sphere(_) | Shape::Cylinder(_) | Shape::Cone(_) => {
                         !(is_start && self.leaves_outwards)
                     }
                     _ => true,

@@ -1,5 +1,6 @@
 //! The tree against all primitives one by one, on random scenes.
 
+mod boxes;
 mod extremes;
 
 use proptest::prelude::*;

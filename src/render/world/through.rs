@@ -10,7 +10,8 @@ use super::{
 };
 use crate::{
     accel::{
-        BLOCK, Child, Control, Lanes, LeafKind, NONE, Range, Ray32, RayBlock, RayBox, RaySphere, Visitor,
+        BLOCK, Child, Control, Lanes, LeafKind, NONE, Range, Ray32, RayBlock, RayBox, RayCuboid, RaySphere,
+        Visitor,
     },
     color::Color,
     math::{Ray, max_abs},
@@ -173,10 +174,11 @@ impl World<'_> {
         }
         let ray32 = Ray32::new(ray);
         let range = range(probe.t_min, walk.census.reach());
-        walk.prepared = level.has_blocks().then(|| {
+        walk.prepared = (level.has_blocks() || !level.cuboid_blocks.is_empty()).then(|| {
             let ray_block = RayBlock::new(&ray32, level.extent as f32);
             Prepared {
                 ray_sphere: RaySphere::new(&ray_block),
+                ray_cuboid: RayCuboid::new(&ray32, level.cuboid_extent),
                 ray_block,
                 range,
             }
@@ -305,6 +307,7 @@ struct Walk<'a, 's, C> {
 struct Prepared {
     ray_block: RayBlock,
     ray_sphere: RaySphere,
+    ray_cuboid: RayCuboid,
     range: Range,
 }
 
@@ -371,6 +374,15 @@ impl<'a, 's, C: Census> Walk<'a, 's, C> {
                         let [possible, _] =
                             block.candidates(lanes, &ray.ray_block, &ray.ray_sphere, ray.range);
                         return self.lanes(&block.ids, first, counted & possible);
+                    }
+                }
+            }
+            (LeafKind::Cuboids, Some(ray)) => {
+                if let Some(block) = level.cuboid_blocks.get(leaf.first()) {
+                    let counted = self.counted(&block.ids, 0);
+                    if counted != 0 {
+                        let found = block.candidates(&ray.ray_cuboid, ray.range);
+                        return self.lanes(&block.ids, 0, counted & found.possible);
                     }
                 }
             }

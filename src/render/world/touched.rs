@@ -68,7 +68,7 @@ impl Visitor for Count<'_, '_> {
                 let level = self.level;
                 level.bvh.others(leaf).iter().for_each(|&index| self.other(index));
             }
-            LeafKind::Triangles | LeafKind::Spheres => self.leaves += 1,
+            LeafKind::Triangles | LeafKind::Spheres | LeafKind::Cuboids => self.leaves += 1,
         }
         Control::Continue
     }

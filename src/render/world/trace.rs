@@ -10,7 +10,8 @@ use super::{
 };
 use crate::{
     accel::{
-        BLOCK, Child, Control, Lanes, LeafKind, NONE, Range, Ray32, RayBlock, RayBox, RaySphere, Visitor,
+        BLOCK, Child, Control, Lanes, LeafKind, NONE, Range, Ray32, RayBlock, RayBox, RayCuboid, RaySphere,
+        Visitor,
     },
     math::Ray,
     shape::triangle::TriangleRay,
@@ -138,7 +139,7 @@ pub(super) fn lanes_of(mut mask: u32) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Most triangles that wait for their exact test.
+/// Most triangles and boxes that wait for their exact test.
 const WAITING: usize = 4;
 
 /// A search of one level.
@@ -146,10 +147,12 @@ struct LevelSearch<'a, 's, 'p, const ANY: bool> {
     exact: Exact<'a, 's, 'p, ANY>,
     ray_block: RayBlock,
     ray_sphere: Option<RaySphere>,
+    /// For what is only prepared once a box is met.
+    ray32: &'a Ray32,
     range: Range,
     /// Index of the primitive that the ray starts on, where it is one of this level.
     start: u32,
-    /// Triangles that may be the nearest hit, and how far away they are at least. In f32 it is nearly always known
+    /// Triangles and boxes that may be the nearest hit, and how far away they are at least. In f32 it is nearly always known
     /// which of two hits is nearer, so that most are never looked at in f64.
     waiting: [(u32, f32); WAITING],
     waiting_count: usize,
@@ -162,6 +165,7 @@ impl<const ANY: bool> Visitor for LevelSearch<'_, '_, '_, ANY> {
         self.stopped = match leaf.kind() {
             LeafKind::Triangles => self.triangles(lanes, leaf, bound),
             LeafKind::Spheres => self.spheres(lanes, leaf, bound),
+            LeafKind::Cuboids => self.cuboids(leaf, bound),
             LeafKind::Others => self.others(leaf, bound),
         };
         if ANY && self.stopped {
@@ -179,7 +183,7 @@ impl<const ANY: bool> Visitor for LevelSearch<'_, '_, '_, ANY> {
 
 impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
     #[inline(always)]
-    fn new(exact: Exact<'a, 's, 'p, ANY>, ray32: &Ray32) -> Self {
+    fn new(exact: Exact<'a, 's, 'p, ANY>, ray32: &'a Ray32) -> Self {
         let (probe, t_max) = (exact.query.probe, exact.query.best.t);
         let level = exact.level;
         let ray_block = if level.has_blocks() {
@@ -190,6 +194,7 @@ impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
         let range = range(probe.t_min, t_max);
         Self {
             ray_sphere: (!level.sphere_blocks.is_empty()).then(|| RaySphere::new(&ray_block)),
+            ray32,
             ray_block,
             range,
             start: u32::try_from(probe.start.wrapping_sub(exact.base)).unwrap_or(NONE),
@@ -233,15 +238,21 @@ impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
                 *bound = bound.min(t_most[lane]);
                 least = t_least[lane];
             }
-            if self.waiting_count == WAITING {
-                self.decide();
-                self.lower(bound);
-            }
-            self.waiting[self.waiting_count % WAITING] = (index, least);
-            self.waiting_count += 1;
+            self.wait(index, least, bound);
             self.exact.level.ask_for_corners(index);
         }
         false
+    }
+
+    /// Notes a primitive that may be the nearest hit, and how far away it is at least.
+    #[inline(always)]
+    fn wait(&mut self, index: u32, least: f32, bound: &mut f32) {
+        if self.waiting_count == WAITING {
+            self.decide();
+            self.lower(bound);
+        }
+        self.waiting[self.waiting_count % WAITING] = (index, least);
+        self.waiting_count += 1;
     }
 
     /// Whether any of a block's triangles ends the search.
@@ -255,11 +266,15 @@ impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
         lanes_of(possible).any(|lane| self.exact.triangle(&ray, ids[lane]))
     }
 
-    /// Decides which of the waiting triangles is hit first, the last found first: it is the nearest, but for
+    /// Decides which of the waiting triangles and boxes is hit first, the last found first: it is the nearest, but for
     /// rounding.
     #[inline(always)]
     fn decide(&mut self) {
         if self.waiting_count == 0 {
+            return;
+        }
+        if !self.exact.level.cuboid_blocks.is_empty() {
+            self.decide_any();
             return;
         }
         let ray = TriangleRay::new(self.exact.ray);
@@ -268,6 +283,18 @@ impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
             let (index, least) = self.waiting[self.waiting_count % WAITING];
             if f64::from(least) <= self.exact.query.best.t {
                 self.exact.triangle(&ray, index);
+            }
+        }
+    }
+
+    /// As [`Self::decide`] where boxes may be among those that wait.
+    #[inline(never)]
+    fn decide_any(&mut self) {
+        while self.waiting_count > 0 {
+            self.waiting_count -= 1;
+            let (index, least) = self.waiting[self.waiting_count % WAITING];
+            if f64::from(least) <= self.exact.query.best.t {
+                self.exact.any(index);
             }
         }
     }
@@ -294,6 +321,41 @@ impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
             return true;
         }
         self.lower(bound);
+        false
+    }
+
+    /// A function of its own: the search of other leaves is the faster for it.
+    #[inline(never)]
+    fn cuboids(&mut self, leaf: Child, bound: &mut f32) -> bool {
+        let level = self.exact.level;
+        let Some(block) = level.cuboid_blocks.get(leaf.first()) else {
+            return false;
+        };
+        let ray = RayCuboid::new(self.ray32, level.cuboid_extent);
+        let mut range = self.range;
+        if !ANY {
+            (range.bound, range.certain[1]) = (*bound, *bound);
+        }
+        let found = block.candidates(&ray, range);
+        if found.possible == 0 {
+            return false;
+        }
+        if ANY {
+            let ends = |index: u32| index != self.start && !level.may_be_transparent(index);
+            return lanes_of(found.certain).any(|lane| ends(block.ids[lane]))
+                || lanes_of(found.possible).any(|lane| self.exact.any(block.ids[lane]));
+        }
+        let [least, most] = found.t;
+        for lane in lanes_of(found.certain) {
+            if block.ids[lane] != self.start {
+                *bound = bound.min(most[lane]);
+            }
+        }
+        for lane in lanes_of(found.possible) {
+            if least[lane] <= *bound {
+                self.wait(block.ids[lane], least[lane], bound);
+            }
+        }
         false
     }
 
