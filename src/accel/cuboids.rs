@@ -78,12 +78,17 @@ impl Cuboids {
             && spread.max_element() <= SPREAD
             && spread.is_finite()
             && offset.is_finite();
-        for i in 0..3 {
-            for k in 0..3 {
-                self.rows[i][k][lane] = if known { rows[i][k] as f32 } else { 0.0 };
+        for (i, row) in rows.into_iter().enumerate() {
+            let (row, offset, size) = if known {
+                (row, offset[i], round_up(size[i]))
+            } else {
+                (DVec3::ZERO, 0.0, f32::INFINITY)
+            };
+            for (entries, x) in self.rows[i].iter_mut().zip(row.to_array()) {
+                entries[lane] = x as f32;
             }
-            self.offset[i][lane] = if known { offset[i] as f32 } else { 0.0 };
-            self.size[i][lane] = if known { round_up(size[i]) } else { f32::INFINITY };
+            self.offset[i][lane] = offset as f32;
+            self.size[i][lane] = size;
         }
     }
 
@@ -178,12 +183,7 @@ mod tests {
                 2 => {
                     let (x, y) = (vector(), vector());
                     let flat = [1.0, 1e-4, 1e-9, 1e-15][round / 100 % 4];
-                    DAffine3::from_cols(
-                        x.into(),
-                        y.into(),
-                        (x + y + vector() * flat).into(),
-                        DVec3::ZERO.into(),
-                    )
+                    DAffine3::from_cols(x, y, x + y + vector() * flat, DVec3::ZERO)
                 }
                 _ => DAffine3::from_mat3(rotation(vector().normalize(), 360.0 * vector().x)),
             };

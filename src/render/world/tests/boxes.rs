@@ -16,7 +16,7 @@ fn many(round: usize, next: &mut impl FnMut() -> f64) -> Scene {
             Color::ZERO
         });
         let mut size = vector().abs() + 0.01;
-        if round / 3 % 2 == 0 {
+        if (round / 3).is_multiple_of(2) {
             let at = [i % 7, i / 7 % 7, i / 49].map(|k| k as f64 - 3.0);
             b.translate(DVec3::from(at)).unwrap();
             size = DVec3::ONE;
