@@ -27,7 +27,7 @@ use super::{
     blocks::{BLOCK, Candidates, NONE, Range},
     boxes::round_up,
     four::F4,
-    ray::RayCuboid,
+    ray::{RayCuboid, power},
 };
 use crate::math::{DAffine3, DVec3};
 
@@ -35,6 +35,17 @@ use crate::math::{DAffine3, DVec3};
 const SIZES: [f64; 2] = [1.0 / (1u64 << 60) as f64, (1u64 << 60) as f64];
 /// Largest K.
 const SPREAD: f64 = (1 << 16) as f64;
+
+/// How far the faces of boxes are moved, to be multiplied by their S, where no coordinate of the level's boxes and of the
+/// ray's start is larger than `m`. Infinite, which makes every box possible, where that is beyond the proof.
+#[inline(always)]
+pub(super) fn slack(m: f32) -> f32 {
+    if m < power(40) {
+        44.0 * power(-24) * m
+    } else {
+        f32::INFINITY
+    }
+}
 
 /// Four boxes.
 #[derive(Clone, Copy, Debug)]

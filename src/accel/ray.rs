@@ -1,10 +1,10 @@
 //! Rays in f32, prepared for the conservative tests of boxes and of blocks.
 
-use super::four::F4;
+use super::{cuboids, four::F4};
 use crate::math::{DVec3, Ray};
 
 /// A power of two.
-const fn power(exponent: i32) -> f32 {
+pub(super) const fn power(exponent: i32) -> f32 {
     f32::from_bits(((127 + exponent) as u32) << 23)
 }
 
@@ -233,15 +233,11 @@ impl RayCuboid {
     pub fn new(ray: &Ray32, extent: f32) -> Self {
         let m = larger(largest(ray.far), extent);
         let long = largest(ray.long);
-        let usual = m < power(40) && (power(-40)..power(40)).contains(&long);
+        let usual = (power(-40)..power(40)).contains(&long);
         Self {
             origin: ray.origin.to_array(),
             dir: ray.dir.to_array(),
-            slack: if usual {
-                44.0 * power(-24) * m
-            } else {
-                f32::INFINITY
-            },
+            slack: if usual { cuboids::slack(m) } else { f32::INFINITY },
         }
     }
 }

@@ -195,12 +195,10 @@ pub(super) fn site(file: &str, line: u32, column: u32) -> String {
 /// What a script calls an object: `sphere`, `instance "car"`.
 pub(super) fn name_of(scene: &Scene, object: &Object) -> String {
     match &object.geometry {
-        Geometry::Shape(shape) => shape.name().to_owned(),
-        Geometry::Triangle(_) => "tri".to_owned(),
-        Geometry::Mesh(_) => "mesh".to_owned(),
         Geometry::Instance(id) => {
             let name = scene.groups.get(id.index()).map_or("", |group| &group.name);
             format!("instance {name:?}")
         }
+        other => other.name().to_owned(),
     }
 }

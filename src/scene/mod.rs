@@ -99,6 +99,19 @@ pub enum Geometry {
     Instance(GroupId),
 }
 
+impl Geometry {
+    /// What the script calls it: `sphere`, `tri`, `mesh`, `instance`.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Shape(shape) => shape.name(),
+            Self::Triangle(_) => "tri",
+            Self::Mesh(_) => "mesh",
+            Self::Instance(_) => "instance",
+        }
+    }
+}
+
 /// One placed thing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {

@@ -10,7 +10,7 @@
 use super::{PACKET, RayPacket, Row, wide::Wide};
 use crate::accel::{
     blocks::{BLOCK, Spheres, Triangles},
-    cuboids::Cuboids,
+    cuboids::{self, Cuboids},
     four::F4,
 };
 
@@ -226,12 +226,7 @@ impl RayPacket {
     /// How far the faces of boxes are moved, to be multiplied by their S; see `accel/cuboids.rs`.
     #[inline(always)]
     pub(super) fn cuboid_slack(&self, extent: f32) -> f32 {
-        let m = self.origin.iter().fold(extent, |m, x| m.max(x.abs()));
-        if m < (1u64 << 40) as f32 {
-            m * (44.0 / (1 << 24) as f32)
-        } else {
-            f32::INFINITY
-        }
+        cuboids::slack(self.origin.iter().fold(extent, |m, x| m.max(x.abs())))
     }
 
     /// Which of the `active` rays may hit a block's box before their bound. As a single ray's test, with the start

@@ -90,10 +90,8 @@ pub fn unanswered(scene: &Scene) -> Option<Diagnostic> {
 /// The thing with its line, for a sentence: `the sphere of line 3`.
 fn called(scene: &Scene, object: &Object) -> String {
     let what = match &object.geometry {
-        Geometry::Shape(shape) => shape.name(),
         Geometry::Triangle(_) => "triangle",
-        Geometry::Mesh(_) => "mesh",
-        Geometry::Instance(_) => "instance",
+        other => other.name(),
     };
     match object.loc {
         SourceLoc { line: 0, .. } => format!("the {what}"),

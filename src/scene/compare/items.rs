@@ -137,7 +137,7 @@ impl<'a> Contents<'a> {
     }
 
     fn full(&self, object: &Object) -> u128 {
-        let mut digest = Digest::new(name(&object.geometry));
+        let mut digest = Digest::new(object.geometry.name());
         self.geometry(&mut digest, &object.geometry);
         let m = self.scene.world_from_object(object);
         digest.floats(m.to_cols_array());
@@ -203,16 +203,6 @@ impl<'a> Contents<'a> {
     }
 }
 
-/// What a script calls it.
-fn name(geometry: &Geometry) -> &'static str {
-    match geometry {
-        Geometry::Shape(shape) => shape.name(),
-        Geometry::Triangle(_) => "tri",
-        Geometry::Mesh(_) => "mesh",
-        Geometry::Instance(_) => "instance",
-    }
-}
-
 /// The objects of a group with these numbers.
 pub(super) fn objects<'a>(
     contents: &Contents<'a>,
@@ -231,7 +221,7 @@ pub(super) fn objects<'a>(
                 .map_or("", |group| group.name.as_str()),
             _ => "",
         };
-        let mut kind = Digest::new(name(&object.geometry));
+        let mut kind = Digest::new(object.geometry.name());
         if let Geometry::Instance(id) = object.geometry {
             kind.text(contents.names.get(id.index()).map_or("", String::as_str));
         }
@@ -242,7 +232,7 @@ pub(super) fn objects<'a>(
         Item {
             turn: turn.done(),
             thing: Thing::Object(object),
-            name: name(&object.geometry),
+            name: object.geometry.name(),
             of,
             loc: object.loc,
             place: place(object.loc),
