@@ -77,7 +77,8 @@ pub trait Host: Send + Sync {
         false
     }
 
-    /// Told now and then how far the render is, from any of its threads.
+    /// Told now and then how far the render is, from any of its threads but from one at a time: of more pixels each
+    /// time, and last of all of them. Threads that have something to tell wait for it.
     fn progress(&self, progress: &Progress) {
         let _ = progress;
     }

@@ -3,7 +3,7 @@
 use std::{
     sync::{
         Mutex,
-        atomic::{AtomicU64, AtomicUsize, Ordering},
+        atomic::{AtomicUsize, Ordering},
     },
     thread,
 };
@@ -39,7 +39,12 @@ pub(super) fn trace(
 ) -> Option<(Image, Counts)> {
     let total = u64::from(s.width) * u64::from(s.height);
     let frame = world.scene.camera.frame(s.width, s.height);
-    let (done, rays, interrupt) = (AtomicU64::new(0), AtomicU64::new(0), Interrupt::new(host));
+    let interrupt = Interrupt::new(host);
+    let progress = Mutex::new(Progress {
+        done: 0,
+        total,
+        rays: 0,
+    });
     let finished = Mutex::new((vec![[0.0; 3]; total as usize], Counts::default()));
     let edge = match options.tile {
         0 => TILE,
@@ -89,13 +94,12 @@ pub(super) fn trace(
                     finished.0[start..start + line.len()].copy_from_slice(line);
                 }
             }
-            let pixels = u64::from(rows * columns);
-            let new = own.total() - before;
-            host.progress(&Progress {
-                done: done.fetch_add(pixels, Ordering::Relaxed) + pixels,
-                total,
-                rays: rays.fetch_add(new, Ordering::Relaxed) + new,
-            });
+            // Told under the lock, so that the host hears of more each time, and last of all pixels.
+            if let Ok(mut progress) = progress.lock() {
+                progress.done += u64::from(rows * columns);
+                progress.rays += own.total() - before;
+                host.progress(&progress);
+            }
         }
         if let Ok(mut finished) = finished.lock() {
             finished.1.add(&own);
@@ -244,6 +248,7 @@ pub(super) fn shot(s: &Settings, frame: &CameraFrame, (x, y): (u32, u32), index:
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Builder, HostError, NoHost, render};
 
     #[test]
     fn tiles_come_once_each_from_the_middle_on() {
@@ -279,5 +284,34 @@ mod tests {
             sorted.sort_unstable();
             assert_eq!(order, sorted);
         }
+    }
+
+    #[test]
+    fn the_host_hears_of_more_each_time_and_last_of_all() {
+        #[derive(Default)]
+        struct Listener(Mutex<Vec<u64>>);
+        impl Host for Listener {
+            fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, HostError> {
+                NoHost.read(path, max_bytes)
+            }
+
+            fn progress(&self, progress: &Progress) {
+                // Long enough for the other threads to finish tiles meanwhile.
+                thread::yield_now();
+                self.0.lock().unwrap().push(progress.done);
+            }
+        }
+        let mut b = Builder::new();
+        b.size(64, 48).unwrap();
+        let options = RenderOptions {
+            threads: 7,
+            tile: 2,
+            ..RenderOptions::default()
+        };
+        let host = Listener::default();
+        render(&b.finish().value, &options, &host).unwrap();
+        let heard = host.0.into_inner().unwrap();
+        assert_eq!(heard.len(), 32 * 24);
+        assert!(heard.is_sorted_by(|a, b| a < b) && heard.last() == Some(&(64 * 48)));
     }
 }
