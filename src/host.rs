@@ -12,7 +12,7 @@ use std::{
 
 use crate::{
     diag::{Code, Diagnostic, ErrorKind},
-    render::{Image, Progress},
+    render::{Image, Progress, Tile},
 };
 
 /// Why a host did not do as asked.
@@ -81,6 +81,12 @@ pub trait Host: Send + Sync {
     /// time, and last of all of them. Threads that have something to tell wait for it.
     fn progress(&self, progress: &Progress) {
         let _ = progress;
+    }
+
+    /// Receives each tile of a picture as it is finished, before [`Host::progress`] is told of it and as that: from any
+    /// thread, one at a time. Tiles do not overlap and together are the picture, in no order to rely on.
+    fn tile(&self, tile: &Tile<'_>) {
+        let _ = tile;
     }
 
     /// Receives a smaller picture with fewer samples of what is being rendered, where

@@ -37,6 +37,7 @@ pub mod accel;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod color;
+pub mod custom;
 pub mod diag;
 pub mod host;
 pub mod import;

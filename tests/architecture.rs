@@ -9,14 +9,15 @@ use std::{
 };
 
 /// For each module the modules of this crate that it may name, itself aside.
-const MAY_NAME: [(&str, &[&str]); 19] = [
+const MAY_NAME: [(&str, &[&str]); 20] = [
     ("math", &[]),
     ("color", &["math"]),
+    ("custom", &[]),
     ("diag", &[]),
     ("limits", &[]),
     // A shape refuses bad parameters with the scene's error.
-    ("shape", &["math", "scene::SceneError"]),
-    ("scene", &["math", "color", "diag", "limits", "shape"]),
+    ("shape", &["math", "custom", "scene::SceneError"]),
+    ("scene", &["math", "color", "custom", "diag", "limits", "shape"]),
     ("accel", &["math"]),
     ("host", &["diag", "render"]),
     (

@@ -326,7 +326,7 @@ mod tests {
             .zip(0..)
             .map(|(b, index)| Primitive::new(index, Box32::around(b), 1.0))
             .collect();
-        let (bvh, leaves) = Bvh::build(primitives, kinds, 0.0, |_| [DVec3::ZERO; 3]);
+        let (bvh, leaves) = Bvh::build(primitives, kinds, 0.0, |_| [DVec3::ZERO; 3], || false);
         (bvh, [leaves.triangles, leaves.spheres])
     }
 

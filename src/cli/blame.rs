@@ -65,7 +65,7 @@ pub(super) fn blame(args: &BlameArgs, signals: &Arc<Signals>, reporter: Reporter
 
 /// The lines that made what pixels show, dearest first.
 fn lines(subject: &Subject, scene: &Scene, costs: &[PixelCost]) -> Result<Vec<Line>, Error> {
-    let world = World::compile(scene)?;
+    let world = World::compile_for(scene, subject.host())?;
     let mut found: BTreeMap<Option<(u16, u32)>, Line> = BTreeMap::new();
     for cost in costs {
         let object = cost.shows.and_then(|number| world.objects_of(number).pop());

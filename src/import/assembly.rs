@@ -34,7 +34,9 @@ pub(super) fn mesh<'a>(
         |_| true,
         corners.iter_mut().map(|c| &mut c.position),
     );
+    assets.check_stop()?;
     let uvs = in_order_of_use(&checked.uvs, |_| true, corners.iter_mut().map(|c| &mut c.uv));
+    assets.check_stop()?;
     // A normal of length zero says nothing.
     let says_something = |n: &DVec3| *n != DVec3::ZERO;
     let normals = in_order_of_use(

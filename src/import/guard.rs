@@ -6,6 +6,7 @@
 use std::{borrow::Cow, collections::BTreeMap};
 
 use super::{
+    assets::Assets,
     text::{Source, counted, number, quoted},
     wavefront::{Statement, Unused, statements},
 };
@@ -72,11 +73,14 @@ pub(super) struct Face<'a> {
     pub(super) end: usize,
 }
 
-/// Checks a whole file that may have at most `max_triangles`.
+/// Statements between two questions whether to stop: a millisecond's work.
+const STATEMENTS_PER_QUESTION: usize = 4096;
+
+/// Checks a whole file.
 ///
 /// # Errors
-/// At the first statement that is wrong.
-pub(super) fn check<'a>(source: &Source<'a>, max_triangles: usize) -> Result<Checked<'a>, Diagnostic> {
+/// At the first statement that is wrong, and where the host asks to stop.
+pub(super) fn check<'a>(source: &Source<'a>, assets: &Assets<'_>) -> Result<Checked<'a>, Diagnostic> {
     let mut guard = Guard {
         source,
         out: Checked::default(),
@@ -86,12 +90,17 @@ pub(super) fn check<'a>(source: &Source<'a>, max_triangles: usize) -> Result<Che
             ahead: Vec::new(),
         }),
         triangles: 0,
-        max_triangles,
+        max_triangles: assets.limits().primitives,
         material: None,
         material_ids: BTreeMap::new(),
     };
     let mut statements = statements(source);
+    let mut count = 0usize;
     while let Some(statement) = statements.next() {
+        count += 1;
+        if count.is_multiple_of(STATEMENTS_PER_QUESTION) {
+            assets.check_stop()?;
+        }
         guard.statement(statement)?;
     }
     guard.check_ahead()?;

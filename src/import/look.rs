@@ -97,5 +97,6 @@ pub(super) fn material(
         } else {
             1.0
         },
+        reflectance: None,
     })
 }

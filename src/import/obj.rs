@@ -88,7 +88,7 @@ fn first_mesh(
 ) -> Result<(Arc<Mesh>, Option<Obj>), Diagnostic> {
     let text = wavefront::text(path, bytes)?;
     let source = Source::new(path, &text, ErrorKind::Input);
-    let mut checked = guard::check(&source, assets.limits().primitives)?;
+    let mut checked = guard::check(&source, assets)?;
     if checked.faces.is_empty() {
         let error = Diagnostic::error(ErrorKind::Input, "the file has no faces").at(path, 0, 0);
         return Err(error.hint("a mesh is made of f lines; lines, points and curves are not drawn"));

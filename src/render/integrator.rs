@@ -124,6 +124,7 @@ pub(super) fn radiance<O: Observer>(
             diffuse: term(&m.diffuse),
             specular: term(&m.specular),
             exponent: Exponent::new(m.shininess),
+            custom: m.reflectance.as_deref(),
         };
         let (ambient, emission) = (term(&m.ambient), term(&m.emission));
         let direct = lighting::direct(

@@ -3,7 +3,10 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::host::Host;
+use crate::{
+    diag::{Diagnostic, Error, ErrorKind},
+    host::Host,
+};
 
 /// Whether to stop, for all threads of a render.
 pub(super) struct Interrupt<'h> {
@@ -34,4 +37,9 @@ impl<'h> Interrupt<'h> {
     pub(super) fn is_stopped(&self) -> bool {
         self.stopped.load(Ordering::Relaxed)
     }
+}
+
+/// What comes of a render that the host stopped.
+pub(super) fn cancelled() -> Error {
+    Diagnostic::error(ErrorKind::Cancelled, "the render was stopped").into()
 }

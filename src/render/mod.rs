@@ -22,7 +22,7 @@ use std::time::Duration;
 
 use rayon::prelude::*;
 
-use interrupt::Interrupt;
+use interrupt::{Interrupt, cancelled};
 
 use crate::{
     diag::{Code, Diagnostic, Error, ErrorKind, Report},
@@ -61,6 +61,21 @@ pub struct Progress {
     pub total: u64,
     /// Rays traced so far, of every kind.
     pub rays: u64,
+}
+
+/// A finished part of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tile<'p> {
+    /// Its first column, in pixels from the left.
+    pub x: u32,
+    /// Its first row, in pixels from the top.
+    pub y: u32,
+    /// Columns, at least 1.
+    pub width: u32,
+    /// Rows, at least 1.
+    pub height: u32,
+    /// `width * height` scene-linear colors, row by row from the top; [`quantize`] gives the 8 bits of the picture.
+    pub pixels: &'p [[f64; 3]],
 }
 
 /// What a render took.
@@ -146,7 +161,7 @@ fn by_rows<T: Send>(
         })
         .collect();
     if interrupt.is_stopped() {
-        return Err(Diagnostic::error(ErrorKind::Cancelled, "the render was stopped").into());
+        return Err(cancelled());
     }
     Ok(rows.into_iter().flatten().collect())
 }
@@ -154,10 +169,7 @@ fn by_rows<T: Send>(
 /// Renders on the threads of the current pool.
 fn render_here(scene: &Scene, options: &RenderOptions, host: &dyn Host) -> Result<Report<Rendered>, Error> {
     let compiling = Stopwatch::start();
-    let mut world = match &options.trees {
-        Some(trees) => trees.compile(scene)?,
-        None => World::compile(scene)?,
-    };
+    let mut world = World::compile_keeping(scene, options.trees.as_ref(), host)?;
     world.packets = !options.single_rays;
     let compile = compiling.elapsed();
     let mut warnings = inspect::before(&world);
@@ -175,7 +187,7 @@ fn render_here(scene: &Scene, options: &RenderOptions, host: &dyn Host) -> Resul
         trees.take_back(world);
     }
     let Some((image, counts)) = traced else {
-        return Err(Diagnostic::error(ErrorKind::Cancelled, "the render was stopped").into());
+        return Err(cancelled());
     };
     let stats = RenderStats {
         camera_rays: counts.camera,

@@ -11,7 +11,7 @@ use std::{
 use rayon::prelude::*;
 
 use super::{
-    Progress, RenderOptions,
+    Progress, RenderOptions, Tile,
     film::Image,
     integrator::{self, Counts, Stack},
     interrupt::Interrupt,
@@ -98,6 +98,13 @@ pub(super) fn trace(
             if let Ok(mut progress) = progress.lock() {
                 progress.done += u64::from(rows * columns);
                 progress.rays += own.total() - before;
+                host.tile(&Tile {
+                    x: x0,
+                    y: y0,
+                    width: columns,
+                    height: rows,
+                    pixels: tile.get(..(rows * columns) as usize).unwrap_or_default(),
+                });
                 host.progress(&progress);
             }
         }
@@ -248,7 +255,7 @@ pub(super) fn shot(s: &Settings, frame: &CameraFrame, (x, y): (u32, u32), index:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Builder, HostError, NoHost, render};
+    use crate::{Builder, DVec3, HostError, NoHost, Term, render};
 
     #[test]
     fn tiles_come_once_each_from_the_middle_on() {
@@ -289,7 +296,7 @@ mod tests {
     #[test]
     fn the_host_hears_of_more_each_time_and_last_of_all() {
         #[derive(Default)]
-        struct Listener(Mutex<Vec<u64>>);
+        struct Listener(Mutex<(Vec<u64>, Vec<[f64; 3]>)>);
         impl Host for Listener {
             fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, HostError> {
                 NoHost.read(path, max_bytes)
@@ -298,20 +305,32 @@ mod tests {
             fn progress(&self, progress: &Progress) {
                 // Long enough for the other threads to finish tiles meanwhile.
                 thread::yield_now();
-                self.0.lock().unwrap().push(progress.done);
+                self.0.lock().unwrap().0.push(progress.done);
+            }
+
+            fn tile(&self, tile: &Tile<'_>) {
+                let picture = &mut self.0.lock().unwrap().1;
+                picture.resize(64 * 48, [-1.0; 3]);
+                for (y, row) in (tile.y as usize..).zip(tile.pixels.chunks(tile.width as usize)) {
+                    let first = y * 64 + tile.x as usize;
+                    picture[first..first + row.len()].copy_from_slice(row);
+                }
             }
         }
         let mut b = Builder::new();
         b.size(64, 48).unwrap();
+        b.material_mut().ambient = Term::color(DVec3::new(0.5, 0.25, 1.0));
+        b.sphere(DVec3::ZERO, 1.0).unwrap();
         let options = RenderOptions {
             threads: 7,
-            tile: 2,
+            tile: 5,
             ..RenderOptions::default()
         };
         let host = Listener::default();
-        render(&b.finish().value, &options, &host).unwrap();
-        let heard = host.0.into_inner().unwrap();
-        assert_eq!(heard.len(), 32 * 24);
+        let image = render(&b.finish().value, &options, &host).unwrap().value.image;
+        let (heard, picture) = host.0.into_inner().unwrap();
+        assert_eq!(heard.len(), 13 * 10);
         assert!(heard.is_sorted_by(|a, b| a < b) && heard.last() == Some(&(64 * 48)));
+        assert_eq!(picture, image.pixels());
     }
 }

@@ -9,6 +9,7 @@ use super::{
 use crate::{
     diag::SourceLoc,
     math::{DAffine3, DVec3},
+    shape::Shape,
 };
 
 impl Scene {
@@ -120,6 +121,7 @@ impl Scene {
 
     fn write_object(&self, line: &mut String, object: &Object) -> fmt::Result {
         match &object.geometry {
+            Geometry::Shape(Shape::Custom(shape)) => write!(line, "{} {}", shape.name(), shape.identity())?,
             Geometry::Shape(shape) => write!(line, "{}{}", shape.name(), fields(&format!("{shape:?}")))?,
             Geometry::Triangle(id) => {
                 write!(line, "tri")?;
@@ -270,6 +272,9 @@ fn write_material(line: &mut String, material: &Material) -> fmt::Result {
     if material.ior != default.ior {
         write!(line, " ior {}", material.ior)?;
     }
+    if let Some(reflectance) = &material.reflectance {
+        write!(line, " reflectance {reflectance:?}")?;
+    }
     if *material == default {
         write!(line, " default")?;
     }
@@ -314,6 +319,7 @@ fn write_texture(line: &mut String, texture: &Texture) -> fmt::Result {
                 Vector(*odd)
             )
         }
+        Texture::Custom(texture) => write!(line, "custom {texture:?}"),
     }
 }
 

@@ -65,6 +65,11 @@ impl Digest {
         self.int(x.to_bits());
     }
 
+    fn text(&mut self, text: &str) {
+        self.int(text.len() as u64);
+        self.0.update(text.as_bytes());
+    }
+
     fn vector(&mut self, v: DVec3) {
         let mut bytes = [0; 24];
         for (place, x) in bytes.as_chunks_mut().0.iter_mut().zip(v.to_array()) {
@@ -148,9 +153,7 @@ impl Digest {
             // Rare kinds by their text, in which numbers are the shortest that read back as the same.
             Geometry::Shape(shape) => {
                 self.int(1);
-                let text = format!("{shape:?}");
-                self.int(text.len() as u64);
-                self.0.update(text.as_bytes());
+                self.text(&format!("{shape:?}"));
             }
             Geometry::Triangle(id) => self.ints([2, id.0]),
             Geometry::Mesh(id) => self.ints([3, id.0]),
@@ -210,12 +213,17 @@ impl Digest {
             reflection,
             transmission,
             ior,
+            reflectance,
         } = material;
         for term in [ambient, emission, diffuse, specular, transmission] {
             self.term(term);
         }
         self.option(reflection.as_ref(), Self::term);
         self.floats([*shininess, *ior]);
+        // Nothing where there is none, as it was before there could be one.
+        if let Some(reflectance) = reflectance {
+            self.text(&reflectance.identity());
+        }
     }
 
     fn term(&mut self, term: &Term) {
@@ -254,6 +262,10 @@ impl Digest {
                 self.int(1);
                 self.vectors([*even, *odd]);
                 self.float(*size);
+            }
+            Texture::Custom(texture) => {
+                self.int(2);
+                self.text(&texture.identity());
             }
         }
     }

@@ -2,7 +2,10 @@
 //!
 //! `I = Ka + Ke + sum over lights of V L (Kd max(N.L, 0) + Ks max(N.H, 0)^s) + Kr I_reflected + Kt I_transmitted`
 
-use crate::{color::Color, scene::TextureId};
+use std::sync::Arc;
+
+use super::CustomReflectance;
+use crate::{color::Color, custom::Custom, scene::TextureId};
 
 /// A color, or a color times a texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,6 +61,8 @@ pub struct Material {
     pub transmission: Term,
     /// Index of refraction inside, against 1 outside. Default 1.5.
     pub ior: f64,
+    /// The program's own rule in place of the sum over lights. Default `None`.
+    pub reflectance: Option<Custom<dyn CustomReflectance>>,
 }
 
 impl Default for Material {
@@ -71,6 +76,7 @@ impl Default for Material {
             reflection: None,
             transmission: Term::BLACK,
             ior: 1.5,
+            reflectance: None,
         }
     }
 }
@@ -80,6 +86,14 @@ impl Material {
     #[must_use]
     pub fn mirror(&self) -> Term {
         self.reflection.unwrap_or(self.specular)
+    }
+
+    /// The same with the program's own answer to the light of lamps.
+    #[must_use]
+    pub fn with_reflectance(mut self, reflectance: impl CustomReflectance + 'static) -> Self {
+        let shared: Arc<dyn CustomReflectance> = Arc::new(reflectance);
+        self.reflectance = Some(Custom::from(shared));
+        self
     }
 
     /// Lets no light through.
@@ -104,6 +118,7 @@ impl Material {
             .map(term),
             reflection: self.reflection.as_ref().map(term),
             numbers: [self.shininess.to_bits(), self.ior.to_bits()],
+            reflectance: self.reflectance.as_ref().map(Custom::identity),
         }
     }
 }
@@ -114,4 +129,5 @@ pub(crate) struct MaterialKey {
     terms: [[u64; 4]; 5],
     reflection: Option<[u64; 4]>,
     numbers: [u64; 2],
+    reflectance: Option<String>,
 }

@@ -7,6 +7,7 @@
 mod builder;
 mod camera;
 pub mod compare;
+mod custom;
 mod dump;
 mod edition;
 mod error;
@@ -22,6 +23,7 @@ mod validate;
 
 pub use builder::{Builder, GroupMark};
 pub use camera::{Camera, CameraFrame};
+pub use custom::{CustomReflectance, CustomTexture, ShadingPoint};
 pub use edition::Edition;
 pub use error::SceneError;
 pub use light::{Attenuation, Light, LightKind};

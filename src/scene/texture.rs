@@ -1,7 +1,9 @@
 //! Textures: colors that vary over a surface.
 
+use super::CustomTexture;
 use crate::{
     color::{self, Color},
+    custom::Custom,
     math::{DVec2, DVec3},
 };
 
@@ -19,6 +21,8 @@ pub enum Texture {
         /// Edge of a cube in object units, greater than 0.
         size: f64,
     },
+    /// See [`CustomTexture`].
+    Custom(Custom<dyn CustomTexture>),
 }
 
 /// The texels of a picture, rows from the top.
@@ -49,6 +53,7 @@ impl Texture {
     pub fn color(&self, uv: DVec2, p: DVec3) -> Color {
         match self {
             Self::Image(image) => image.bilinear(uv),
+            Self::Custom(texture) => texture.color(uv, p),
             Self::Checker { even, odd, size } => {
                 // Half a millionth of a cube inwards, so that a face in the plane of a boundary takes one color
                 // instead of rounding noise.

@@ -20,6 +20,7 @@ use rhai::{
 use super::{
     api,
     call::{Call, wrong_count},
+    language::Language,
     modules::Resolver,
     power,
     session::{self, Clock, with_state},
@@ -177,7 +178,7 @@ fn internal(what: &str) -> Box<ScriptError> {
 }
 
 /// An engine that reads scripts.
-pub(super) fn compiler(limits: &Limits) -> Result<Engine, Box<ScriptError>> {
+pub(super) fn compiler(limits: &Limits, language: &Language) -> Result<Engine, Box<ScriptError>> {
     // An embedder that runs Rhai of its own may have set it before; closures then bear other names, which no
     // script can see (see `api::functions`).
     let _ = rhai::config::hashing::set_hashing_seed(Some(HASHING_SEED));
@@ -204,6 +205,7 @@ pub(super) fn compiler(limits: &Limits) -> Result<Engine, Box<ScriptError>> {
     engine.disable_symbol("eval").disable_symbol("curry");
     blocks(&mut engine).map_err(|e| internal(&e))?;
     power::declare(&mut engine).map_err(|e| internal(&e))?;
+    language.apply(&mut engine);
     read_tokens(&mut engine, limits);
     Ok(engine)
 }
@@ -229,8 +231,12 @@ fn read_tokens(engine: &mut Engine, limits: &Limits) {
 }
 
 /// Reads a script. Every call has an engine of its own, because the reader of tokens has a memory.
-pub(super) fn compile(source: &str, limits: &Limits) -> Result<Result<AST, ParseError>, Box<ScriptError>> {
-    let engine = compiler(limits)?;
+pub(super) fn compile(
+    source: &str,
+    limits: &Limits,
+    language: &Language,
+) -> Result<Result<AST, ParseError>, Box<ScriptError>> {
+    let engine = compiler(limits, language)?;
     let mut scope = Scope::new();
     for constant in CONSTANTS {
         scope.push_constant(constant.name, constant.value);
@@ -239,8 +245,8 @@ pub(super) fn compile(source: &str, limits: &Limits) -> Result<Result<AST, Parse
 }
 
 /// An engine that runs scripts on the session of the current thread.
-pub(super) fn runner(limits: &Limits) -> Result<Engine, Box<ScriptError>> {
-    let mut engine = compiler(limits)?;
+pub(super) fn runner(limits: &Limits, language: &Language) -> Result<Engine, Box<ScriptError>> {
+    let mut engine = compiler(limits, language)?;
     engine.set_module_resolver(Resolver);
     engine.on_progress(session::watch(limits));
     engine.on_print(session::print);

@@ -6,6 +6,7 @@ use rhai::{AST, ASTNode, Expr, Position};
 
 use super::{
     errors::{self, Context},
+    language::Language,
     names::{self, Names},
     session::Lines,
     table::{Run, entry},
@@ -17,7 +18,7 @@ const MOST: usize = 20;
 
 /// Calls of functions that there are not, in the order of their places.
 pub(super) fn unknown_calls(ast: &AST, file: &str, context: &Context<'_>) -> Vec<Diagnostic> {
-    let names = Names::of(Some(ast));
+    let names = Names::of(Some(ast), context.language);
     // A variable may hold a function, and who calls it so has made another mistake.
     let declared = names::declared(context.text(file));
     let mut found = Vec::new();
@@ -53,7 +54,7 @@ pub(super) fn unreached(ast: &AST, ran: &Lines, file: &str, context: &Context<'_
     let text = context.text(file);
     let declared = names::Declared::of(text);
     let mut warnings: Vec<Diagnostic> = Vec::new();
-    let calls = scene_calls(ast);
+    let calls = scene_calls(ast, context.language);
     let never = |position: &Position| !ran.contains(position.line().unwrap_or(0));
     if calls
         .iter()
@@ -93,8 +94,8 @@ pub(super) fn unreached(ast: &AST, ran: &Lines, file: &str, context: &Context<'_
 }
 
 /// Where scene functions are called, in order.
-pub(super) fn scene_calls(ast: &AST) -> BTreeSet<Position> {
-    let names = Names::of(Some(ast));
+pub(super) fn scene_calls(ast: &AST, language: &Language) -> BTreeSet<Position> {
+    let names = Names::of(Some(ast), language);
     let mut places = BTreeSet::new();
     each_call(ast, |call, position| {
         let is_scene = entry(&call.name).is_some_and(|entry| matches!(entry.run, Run::Scene(_)));

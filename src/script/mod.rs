@@ -11,6 +11,7 @@ mod call;
 mod engine;
 mod errors;
 mod kinds;
+mod language;
 mod link;
 mod lint;
 mod lists;
@@ -24,6 +25,9 @@ mod table;
 mod value;
 mod vocabulary;
 
+pub use language::{Language, build};
+/// The version of Rhai whose engine [`Language::engine_mut`] hands out.
+pub use rhai;
 pub use run::{CallSite, Picture, Run, RunOptions};
 pub use table::{Entry, Group, Kind, Param, entries, entry};
 pub use vocabulary::{CONSTANTS, Constant, EXAMPLE_FILES, PROPERTIES, Property};
@@ -59,6 +63,7 @@ pub struct Script {
     source: Source,
     ast: AST,
     limits: Limits,
+    language: Language,
 }
 
 impl Script {
@@ -68,6 +73,14 @@ impl Script {
     /// # Errors
     /// `Script` where it is malformed, with line and column; `Limit` where it is too large.
     pub fn compile(name: &str, source: &str, limits: &Limits) -> Result<Self, Error> {
+        Self::compile_in(&Language::new(), name, source, limits)
+    }
+
+    /// As [`Script::compile`], with functions of the program's own.
+    ///
+    /// # Errors
+    /// As [`Script::compile`].
+    pub fn compile_in(language: &Language, name: &str, source: &str, limits: &Limits) -> Result<Self, Error> {
         let limits = &for_the_stack(limits);
         let too_large = source.len() > limits.source_bytes;
         let source = without_mark(source);
@@ -84,7 +97,7 @@ impl Script {
             );
             return Err(Diagnostic::error(ErrorKind::Limit, message).at(name, 0, 0).into());
         }
-        let compiled = on_deep_stack(|| engine::compile(&source.text, limits))
+        let compiled = on_deep_stack(|| engine::compile(&source.text, limits, language))
             .map_err(|what| internal(name, &what))?
             .map_err(|e| internal(name, &e.message))?;
         match compiled {
@@ -94,16 +107,18 @@ impl Script {
                     source,
                     ast,
                     limits: limits.clone(),
+                    language: language.clone(),
                 })
             }
             Err(e) => {
                 let context = errors::Context {
                     sources: std::slice::from_ref(&source),
                     limits,
+                    language,
                     ast: None,
                 };
                 let mut error = Error::from(errors::of_parse(&e, name, &context));
-                let more = on_deep_stack(|| recover::further_errors(&e, &source, limits));
+                let more = on_deep_stack(|| recover::further_errors(&e, &source, limits, language));
                 error.more = more.map_err(|what| internal(name, &what))?;
                 Err(error)
             }
@@ -220,6 +235,7 @@ impl Script {
         watch: Option<Watch>,
     ) -> Result<Report<Run>, Error> {
         let mut state = State::new(self.source.clone(), &self.limits, options, remote, watch);
+        state.language = self.language.clone();
         if let Err(e) = preset(&mut state) {
             let mut d = Diagnostic::error(e.kind, e.message).class(e.code);
             d.hints = e.hints;
@@ -229,7 +245,8 @@ impl Script {
             let what = "a script runs on this thread already, and without threads there is one at a time";
             Error::from(Diagnostic::error(ErrorKind::Denied, what).at(self.name(), 0, 0))
         })?;
-        let engine = engine::runner(&self.limits).map_err(|e| internal(self.name(), &e.message))?;
+        let engine =
+            engine::runner(&self.limits, &self.language).map_err(|e| internal(self.name(), &e.message))?;
         let mut scope = Scope::new();
         let result = engine.run_ast_with_scope(&mut scope, &self.ast);
         // Values of the script go before its thread does: only here is the stack deep enough for any of them.
@@ -275,6 +292,7 @@ impl Script {
         let context = errors::Context {
             sources: &sources,
             limits: &self.limits,
+            language: &self.language,
             ast: Some(&self.ast),
         };
         let failed = result.err().map(|e| errors::of_run(&e, &context));

@@ -127,7 +127,7 @@ impl ModuleResolver for Resolver {
     ) -> Result<Arc<Module>, Box<EvalAltResult>> {
         let found = with_state(|state| {
             let found = Self::load(state, global.source.as_ref(), path, pos)?;
-            Ok((found, state.limits.clone()))
+            Ok((found, state.limits.clone(), state.language.clone()))
         });
         let found: Outcome<_> = found.unwrap_or_else(|| {
             Err(ScriptError::of_kind(
@@ -135,7 +135,7 @@ impl ModuleResolver for Resolver {
                 "an import outside a run",
             ))
         });
-        let (found, limits) = found.map_err(|e| e.raise(pos))?;
+        let (found, limits, language) = found.map_err(|e| e.raise(pos))?;
         let (name, host_path, text) = match found {
             Found::Module(module) => return Ok(module),
             Found::Text {
@@ -145,7 +145,7 @@ impl ModuleResolver for Resolver {
             } => (name, host_path, text),
         };
         let in_module = |e: Box<EvalAltResult>| Box::new(EvalAltResult::ErrorInModule(name.clone(), e, pos));
-        let mut ast = engine::compile(&text, &limits)
+        let mut ast = engine::compile(&text, &limits, &language)
             .map_err(|e| e.raise(pos))?
             .map_err(|e| in_module(Box::new(EvalAltResult::ErrorParsing(*e.0, e.1))))?;
         ast.set_source(name.as_str());

@@ -10,6 +10,7 @@ use rhai::{AST, Engine, Position, Token};
 use super::{
     call::{arguments, kind_name, wrong_count},
     engine,
+    language::Language,
     session::Source,
     table::{Run, entries, entry},
     vocabulary::CONSTANTS,
@@ -34,13 +35,15 @@ pub(super) fn plain(name: &str) -> String {
 }
 
 /// The functions a script can call.
-pub(super) struct Names {
+pub(super) struct Names<'l> {
     /// Of the script: parameters by name.
     own: BTreeMap<String, Vec<Vec<String>>>,
+    /// With the program's.
+    language: &'l Language,
 }
 
-impl Names {
-    pub(super) fn of(ast: Option<&AST>) -> Self {
+impl<'l> Names<'l> {
+    pub(super) fn of(ast: Option<&AST>, language: &'l Language) -> Self {
         let mut own: BTreeMap<String, Vec<Vec<String>>> = BTreeMap::new();
         for f in ast.into_iter().flat_map(AST::iter_functions) {
             if !is_closure(f.name) {
@@ -48,7 +51,7 @@ impl Names {
                 own.entry(f.name.to_owned()).or_default().push(params);
             }
         }
-        Self { own }
+        Self { own, language }
     }
 
     /// Rhai's "sphere (i64, i64)" explained.
@@ -101,7 +104,7 @@ impl Names {
             )
             .hint(format!("where it holds a function, {name}.call(...) calls that"));
         }
-        if BUILTINS.contains(name) {
+        if BUILTINS.contains(name) || self.language.has(name) {
             let d = error(
                 Code::ArgumentType,
                 match kinds.as_slice() {
@@ -116,7 +119,7 @@ impl Names {
 
     /// What is wrong with any call of `name` with this many arguments, whatever they are; `None` where it may be right.
     pub(super) fn wrong_call(&self, name: &str, given: usize) -> Option<Diagnostic> {
-        if self.has_own(name, given) {
+        if self.has_own(name, given) || self.language.has(name) {
             return None;
         }
         if let Some(entry) = entry(name) {
@@ -212,16 +215,21 @@ fn operator(symbol: &str, kinds: &[String]) -> Diagnostic {
 
 /// Names of Rhai's own functions.
 pub(super) static BUILTINS: LazyLock<BTreeSet<String>> = LazyLock::new(|| {
-    let Ok(engine) = engine::compiler(&Limits::default()) else {
+    let Ok(engine) = engine::compiler(&Limits::default(), &Language::new()) else {
         return BTreeSet::new();
     };
+    callable_names(&engine)
+        .chain(OF_THE_PARSER.map(str::to_owned))
+        .collect()
+});
+
+/// Names of the functions that a script can call by an engine.
+pub(super) fn callable_names(engine: &Engine) -> impl Iterator<Item = String> + use<> {
     engine
         .collect_fn_metadata(None, |f| Some(f.metadata.name.to_string()), true)
         .into_iter()
         .filter(|name| name.starts_with(char::is_alphabetic) && !name.contains('$'))
-        .chain(OF_THE_PARSER.map(str::to_owned))
-        .collect()
-});
+}
 
 /// Functions that Rhai knows without a definition.
 const OF_THE_PARSER: [&str; 10] = [

@@ -3,7 +3,7 @@
 
 use rhai::{ParseError, ParseErrorType, Position};
 
-use super::{engine, errors, names, session::Source};
+use super::{engine, errors, language::Language, names, session::Source};
 use crate::{
     diag::{Code, Diagnostic},
     limits::Limits,
@@ -14,10 +14,16 @@ const MOST: usize = 10;
 
 /// The errors of a script after its first, in the order of their places. Errors that may only be there because of what
 /// was taken out are not among them.
-pub(super) fn further_errors(first: &ParseError, source: &Source, limits: &Limits) -> Vec<Diagnostic> {
+pub(super) fn further_errors(
+    first: &ParseError,
+    source: &Source,
+    limits: &Limits,
+    language: &Language,
+) -> Vec<Diagnostic> {
     let context = errors::Context {
         sources: std::slice::from_ref(source),
         limits,
+        language,
         ast: None,
     };
     let declared = names::declared(&source.text);
@@ -27,7 +33,7 @@ pub(super) fn further_errors(first: &ParseError, source: &Source, limits: &Limit
     while found.len() + 1 < MOST {
         let Some(at) = offset(&text, position) else { break };
         let end = blank_statement(&mut text, at);
-        let Ok(Err(next)) = engine::compile(&text, limits) else {
+        let Ok(Err(next)) = engine::compile(&text, limits, language) else {
             break;
         };
         // Nothing more is to be learned where the place does not move on, or where the rest of the text makes no sense without what was taken out.

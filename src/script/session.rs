@@ -12,6 +12,7 @@ use rhai::{Dynamic, ImmutableString, Module, Position};
 use super::{
     Picture, RunOptions,
     api::Stream,
+    language::Language,
     link::Remote,
     value::{Outcome, ScriptError},
 };
@@ -76,6 +77,8 @@ impl Lines {
 pub(crate) struct State {
     pub(crate) builder: Builder,
     pub(crate) limits: Limits,
+    /// What its modules may call, too.
+    pub(super) language: Language,
     pub(crate) host: Remote,
     pub(crate) random: Stream,
     /// Where the first call of a scene function stands: the edition may only be chosen there.
@@ -134,6 +137,7 @@ impl State {
         Self {
             builder,
             limits: limits.clone(),
+            language: Language::new(),
             host,
             random: Stream::new(options.seed.unwrap_or(0)),
             first: None,

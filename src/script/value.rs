@@ -32,7 +32,7 @@ impl ImageValue {
     pub(crate) fn image(&self) -> Option<&ImageTexture> {
         match &*self.0 {
             Texture::Image(image) => Some(image),
-            Texture::Checker { .. } => None,
+            Texture::Checker { .. } | Texture::Custom(_) => None,
         }
     }
 }
@@ -58,6 +58,7 @@ impl fmt::Display for TextureValue {
         match &*self.texture {
             Texture::Image(i) => write!(f, "texture({} x {})", i.width, i.height),
             Texture::Checker { size, .. } => write!(f, "texture(checker, {size})"),
+            Texture::Custom(texture) => write!(f, "texture({})", texture.identity()),
         }
     }
 }

@@ -9,6 +9,7 @@
 
 mod cone;
 mod cuboid;
+mod custom;
 mod cylinder;
 mod disk;
 mod planar;
@@ -25,6 +26,7 @@ mod triangulate;
 
 pub use cone::Cone;
 pub use cuboid::Cuboid;
+pub use custom::CustomShape;
 pub use cylinder::Cylinder;
 pub use disk::Disk;
 pub use plane::Plane;
@@ -36,6 +38,7 @@ pub use triangulate::triangulate;
 use std::sync::Arc;
 
 use crate::{
+    custom::Custom,
     math::{self, Bounds3, DVec2, DVec3, PI, Ray},
     scene::SceneError,
 };
@@ -55,6 +58,7 @@ pub struct Crossing {
 pub struct Crossings {
     items: [Crossing; Self::CAPACITY],
     len: usize,
+    is_cut: bool,
 }
 
 impl Default for Crossings {
@@ -62,17 +66,25 @@ impl Default for Crossings {
         Self {
             items: [Crossing { t: 0.0, part: 0 }; Self::CAPACITY],
             len: 0,
+            is_cut: false,
         }
     }
 }
 
 impl Crossings {
-    /// As many as a line can have with one shape (a torus has up to 4).
+    /// As many as a line can have with one shape of ours (a torus has up to 4).
     pub const CAPACITY: usize = 4;
 
-    /// Adds a crossing in its place; NaN is dropped, and so is what exceeds [`Self::CAPACITY`].
+    /// Adds a crossing in its place; NaN is dropped. Of more than [`Self::CAPACITY`] those stay that matter to a ray from
+    /// t = 0 on: the nearest to its origin, which may be its own start, and the first after it.
     pub fn push(&mut self, t: f64, part: u8) {
-        if t.is_nan() || self.len == Self::CAPACITY {
+        if t.is_nan() {
+            return;
+        }
+        if self.len == Self::CAPACITY {
+            self.make_room(t);
+        }
+        if self.len == Self::CAPACITY {
             return;
         }
         let mut i = self.len;
@@ -82,6 +94,28 @@ impl Crossings {
         }
         self.items[i] = Crossing { t, part };
         self.len += 1;
+    }
+
+    /// Where there is no room for a crossing at `t`, drops the one that matters least, if that is another.
+    #[cold]
+    fn make_room(&mut self, t: f64) {
+        self.is_cut = true;
+        let behind = self.items.iter().filter(|c| c.t <= 0.0).count() + usize::from(t <= 0.0);
+        if behind > 1 {
+            // The farthest behind the origin.
+            if self.items[0].t < t {
+                self.items.copy_within(1.., 0);
+                self.len -= 1;
+            }
+        } else if t < self.items[Self::CAPACITY - 1].t {
+            self.len -= 1;
+        }
+    }
+
+    /// Whether crossings were dropped because there were more than [`Self::CAPACITY`].
+    #[must_use]
+    pub fn is_cut(&self) -> bool {
+        self.is_cut
     }
 
     /// The crossings in order.
@@ -123,6 +157,8 @@ macro_rules! shapes {
     ($($(#[$doc:meta])* $name:ident($inner:ty) = $text:literal;)*) => {
         /// Any shape, in its own object space.
         ///
+        /// A program's own need none of what follows; see [`CustomShape`].
+        ///
         /// # Adding a shape
         /// 1. A file of its own, beginning with its contract: pose, parameters, units, normals, uv. In it
         ///    the type; `new`, which refuses what is no shape and names the parameter; `Solidity`; `bounds`,
@@ -140,6 +176,8 @@ macro_rules! shapes {
         #[derive(Clone, Debug, PartialEq)]
         pub enum Shape {
             $($(#[$doc])* $name($inner),)*
+            /// See [`CustomShape`].
+            Custom(Custom<dyn CustomShape>),
         }
 
         impl Shape {
@@ -150,31 +188,46 @@ macro_rules! shapes {
             /// What the script calls it.
             #[must_use]
             pub fn name(&self) -> &'static str {
-                match self { $(Self::$name(_) => $text,)* }
+                match self {
+                    Self::Custom(shape) => CustomShape::name(&**shape),
+                    $(Self::$name(_) => $text,)*
+                }
             }
 
             /// A box around it; `None` where it has no end.
             #[must_use]
             pub fn bounds(&self) -> Option<Bounds3> {
-                match self { $(Self::$name(s) => s.bounds(),)* }
+                match self {
+                    $(Self::$name(s) => s.bounds(),)*
+                    Self::Custom(s) => s.bounds(),
+                }
             }
 
             /// True where it encloses a volume, so that a line crosses it an even number of times.
             #[must_use]
             pub fn is_solid(&self) -> bool {
-                match self { $(Self::$name(_) => <$inner as Solidity>::SOLID,)* }
+                match self {
+                    $(Self::$name(_) => <$inner as Solidity>::SOLID,)*
+                    Self::Custom(s) => s.is_solid(),
+                }
             }
 
             /// Adds all crossings of the ray's whole line (behind its origin too) to `out`.
             #[inline]
             pub fn crossings(&self, ray: &Ray, out: &mut Crossings) {
-                match self { $(Self::$name(s) => s.crossings(ray, out),)* }
+                match self {
+                    $(Self::$name(s) => s.crossings(ray, out),)*
+                    Self::Custom(s) => s.crossings(ray, out),
+                }
             }
 
             /// Normal and texture coordinates at a point `p` on part `part` of the surface.
             #[must_use]
             pub fn surface(&self, p: DVec3, part: u8) -> Surface {
-                match self { $(Self::$name(s) => s.surface(p, part),)* }
+                match self {
+                    $(Self::$name(s) => s.surface(p, part),)*
+                    Self::Custom(s) => s.surface(p, part),
+                }
             }
         }
     };

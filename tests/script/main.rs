@@ -10,6 +10,7 @@
 mod assets;
 mod editions;
 mod host;
+mod language;
 mod limits;
 mod maths;
 mod mistakes;

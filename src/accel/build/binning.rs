@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::{Aabb, Kinds, Load, PIECE, Primitive, Summary, spatial::Plane};
+use super::{Aabb, Context, Kinds, Load, PIECE, Primitive, Summary, spatial::Plane};
 use crate::accel::four::F4;
 
 /// Where twice the centers fall into `N` bins along each axis.
@@ -87,19 +87,24 @@ pub(super) struct Split {
 impl Split {
     /// The split of least cost (area times load, left plus right) over all three axes; `None` where all centers
     /// coincide. Few items need few bins.
-    pub(super) fn best(items: &[Primitive], kinds: Kinds, centers: &Aabb) -> Option<Self> {
+    pub(super) fn best(items: &[Primitive], context: &Context<'_>, centers: &Aabb) -> Option<Self> {
         match items.len() {
-            0..12 => Self::best_of_bins::<4>(items, kinds, centers),
-            12..64 => Self::best_of_bins::<8>(items, kinds, centers),
-            _ => Self::best_of_bins::<16>(items, kinds, centers),
+            0..12 => Self::best_of_bins::<4>(items, context, centers),
+            12..64 => Self::best_of_bins::<8>(items, context, centers),
+            _ => Self::best_of_bins::<16>(items, context, centers),
         }
     }
 
-    fn best_of_bins<const N: usize>(items: &[Primitive], kinds: Kinds, centers: &Aabb) -> Option<Self> {
-        let binning = Binning::<N>::new(centers);
+    fn best_of_bins<const N: usize>(
+        items: &[Primitive],
+        context: &Context<'_>,
+        centers: &Aabb,
+    ) -> Option<Self> {
+        let (kinds, binning) = (context.kinds, Binning::<N>::new(centers));
         let bins = if items.len() > 2 * PIECE {
             items
                 .par_chunks(PIECE)
+                .filter(|_| !(context.stop)())
                 .map(|piece| Bins::of(piece, kinds, &binning))
                 .reduce_with(Bins::merge)?
         } else {
@@ -160,9 +165,9 @@ impl Split {
     }
 
     /// Moves the items that go left to the front; their number, and the summaries of both parts.
-    pub(super) fn divide(&self, items: &mut [Primitive]) -> (usize, [Summary; 2]) {
+    pub(super) fn divide(&self, items: &mut [Primitive], context: &Context<'_>) -> (usize, [Summary; 2]) {
         let (middle, centers) = if items.len() > 2 * PIECE {
-            self.divide_in_pieces(items)
+            self.divide_in_pieces(items, context)
         } else {
             self.divide_here(items)
         };
@@ -193,11 +198,15 @@ impl Split {
     }
 
     /// Divides each piece by itself, then swaps what stands on the wrong side of the middle.
-    fn divide_in_pieces(&self, items: &mut [Primitive]) -> (usize, [Aabb; 2]) {
+    fn divide_in_pieces(&self, items: &mut [Primitive], context: &Context<'_>) -> (usize, [Aabb; 2]) {
         let pieces: Vec<(usize, [Aabb; 2])> = items
             .par_chunks_mut(PIECE)
+            .filter(|_| !(context.stop)())
             .map(|piece| self.divide_here(piece))
             .collect();
+        if (context.stop)() {
+            return (items.len() / 2, [Aabb::empty(); 2]);
+        }
         let middle = pieces.iter().map(|(left, _)| left).sum();
         let mut centers = [Aabb::empty(); 2];
         // Those that go right but stand left of the middle, and those that go left but stand right of it.

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{
-    Aabb, Bvh, Context, Items, Kinds, LEAF_MAX, Leaves, Primitive,
+    Aabb, Bvh, Context, Items, Kinds, LEAF_MAX, Leaves, Primitive, Stop,
     binary::{self, Binary},
     divide::{Part, Subtree},
 };
@@ -29,6 +29,9 @@ pub(super) fn collapse(top: Part<'_>, context: &Context<'_>) -> Collapsed {
         .into_par_iter()
         .map_init(Vec::new, |scratch, subtree| build(subtree, context, scratch))
         .unzip();
+    if (context.stop)() {
+        return Collapsed::nothing();
+    }
     let mut tree = Vec::with_capacity(2 * built.len());
     join(&shape, &built, &mut tree);
     let trees: Vec<&[Binary]> = std::iter::once(&tree)
@@ -54,6 +57,7 @@ pub(super) fn collapse(top: Part<'_>, context: &Context<'_>) -> Collapsed {
     let top = above.output.nodes;
     let parts = ends
         .into_par_iter()
+        .filter(|_| !(context.stop)())
         .map(|end| {
             let mut emitter = Emitter {
                 trees: &trees,
@@ -90,13 +94,24 @@ fn build<'a>(
         count,
     };
     scratch.clear();
+    if (context.stop)() {
+        return (all, Vec::new());
+    }
     binary::build(items, context, &subtree.summary, 0, subtree.depth, scratch);
     (all, scratch.to_vec())
 }
 
 impl Collapsed {
+    fn nothing() -> Self {
+        Self {
+            top: Vec::new(),
+            parts: Vec::new(),
+            bounds: Box32::EMPTY,
+        }
+    }
+
     /// Puts everything into one list.
-    pub(super) fn assemble(self) -> (Bvh, Leaves) {
+    pub(super) fn assemble(self, stop: &Stop<'_>) -> (Bvh, Leaves) {
         let Self { top, parts, bounds } = self;
         let total = |count: fn(&Output) -> usize| parts.iter().map(|(_, part)| count(part)).sum::<usize>();
         let mut all = Output::default();
@@ -113,6 +128,7 @@ impl Collapsed {
         all.nodes.extend(top);
         let roots: Vec<Child> = parts
             .into_iter()
+            .take_while(|_| !stop())
             .map(|(child, part)| all.append(child, part))
             .collect();
         for node in &mut all.nodes[..above] {

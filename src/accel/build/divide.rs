@@ -1,6 +1,6 @@
 //! From all primitives to parts that are small enough for a subtree each.
 
-use super::{Aabb, Context, Items, SAH_DEPTH, Summary, binning::Split, spatial::Plane};
+use super::{Aabb, Context, Items, Primitive, SAH_DEPTH, Summary, binning::Split, spatial::Plane};
 
 /// Most items in a subtree: its binary tree then fits a second-level cache.
 const SUBTREE: usize = 4096;
@@ -33,7 +33,7 @@ pub(super) fn divide<'a>(
     summary: Summary,
     depth: usize,
 ) -> Part<'a> {
-    if items.count <= SUBTREE {
+    if items.count <= SUBTREE || (context.stop)() {
         return Part::Subtree(Subtree {
             items,
             summary,
@@ -56,27 +56,35 @@ pub(super) fn halves<'a>(
     depth: usize,
 ) -> [(Items<'a>, Summary); 2] {
     let split = if depth < SAH_DEPTH {
-        Split::best(items.live(), context.kinds, &summary.centers)
+        Split::best(items.live(), context, &summary.centers)
     } else {
         None
     };
     if let Some(plane) = cut(&mut items, context, summary, depth, split.as_ref()) {
-        let (middle, _) = Split::across(&plane).divide(items.live());
+        let (middle, _) = Split::across(&plane).divide(items.live(), context);
         if middle > 0 && middle < items.count {
-            let [mut left, mut right] = items.split_at(middle);
-            let summaries = [&mut left, &mut right].map(|part| Summary::of(part.live()));
-            return [(left, summaries[0]), (right, summaries[1])];
+            return at(items, middle, context);
         }
     } else if let Some(split) = split {
-        let (middle, summaries) = split.divide(items.live());
+        let (middle, summaries) = split.divide(items.live(), context);
         let [left, right] = items.split_at(middle);
         return [(left, summaries[0]), (right, summaries[1])];
     }
     // All centers are the same, or the tree is too deep.
     let middle = items.count / 2;
-    let [mut left, mut right] = items.split_at(middle);
-    let summaries = [&mut left, &mut right].map(|part| Summary::of(part.live()));
-    [(left, summaries[0]), (right, summaries[1])]
+    at(items, middle, context)
+}
+
+/// The items before and from `middle`.
+fn at<'a>(items: Items<'a>, middle: usize, context: &Context<'_>) -> [(Items<'a>, Summary); 2] {
+    let of = |items: &[Primitive]| match (context.stop)() {
+        true => Summary::empty(),
+        false => Summary::of(items),
+    };
+    items.split_at(middle).map(|mut part| {
+        let summary = of(part.live());
+        (part, summary)
+    })
 }
 
 /// Cuts triangles by the plane that is returned, where that is worth more than the split.

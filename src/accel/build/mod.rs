@@ -187,10 +187,15 @@ struct Context<'a> {
     corners: &'a Corners<'a>,
     /// Half the surface of the box around everything.
     root_area: f32,
+    stop: &'a Stop<'a>,
 }
 
 /// Corners of a triangle.
 type Corners<'a> = dyn Fn(u32) -> [DVec3; 3] + Sync + 'a;
+
+/// Whether to give up. Once true it stays so, and what is being built is dropped: any tree will do, the sooner the
+/// better.
+type Stop<'a> = dyn Fn() -> bool + Sync + 'a;
 
 impl Context<'_> {
     fn can_be_cut(&self, item: &Primitive) -> bool {
@@ -386,12 +391,16 @@ impl Bvh {
     ///
     /// Where boxes overlap much, triangles are cut in two and stand in several leaves, `cuts` of them for each
     /// triangle at the most. Their corners are asked from `corners`.
+    ///
+    /// Asks `stop` every millisecond or so whether to give up, which must stay true once it is. The tree is then of no
+    /// use.
     #[must_use]
     pub fn build(
         mut primitives: Vec<Primitive>,
         kinds: Kinds,
         cuts: f64,
         corners: impl Fn(u32) -> [DVec3; 3] + Sync,
+        stop: impl Fn() -> bool + Sync,
     ) -> (Self, Leaves) {
         primitives.truncate(Child::PLACES_MAX);
         primitives.retain(|p| !p.is_empty());
@@ -410,15 +419,19 @@ impl Bvh {
             kinds,
             corners: &corners,
             root_area: summary.bounds.half_area(),
+            stop: &stop,
         };
         let items = Items {
             all: &mut primitives,
             count,
         };
         let parts = divide::divide(items, &context, summary, 0);
+        if stop() {
+            return Default::default();
+        }
         let collapsed = collapse::collapse(parts, &context);
         drop(primitives);
-        collapsed.assemble()
+        collapsed.assemble(&stop)
     }
 
     /// Largest size of a coordinate of any box.

@@ -4,7 +4,7 @@
 //!
 //! Candidates are judged by clipping boxes; only the plane that is chosen clips triangles.
 
-use super::{Aabb, Context, Load, Primitive};
+use super::{Aabb, Context, Load, PIECE, Primitive};
 use crate::{
     accel::boxes::{round_down, round_up},
     math::{Bounds3, DVec3, max_abs},
@@ -60,7 +60,10 @@ impl Plane {
         let bin = |x: f32| (((x - low) * scale) as usize).min(BINS - 1);
         let mut boxes = [Aabb::empty(); BINS];
         let (mut enter, mut leave) = ([Load::default(); BINS], [Load::default(); BINS]);
-        for item in items {
+        for (n, item) in items.iter().enumerate() {
+            if n % PIECE == PIECE - 1 && (context.stop)() {
+                return None;
+            }
             let (mut first, mut last) = (bin(item.min[axis]), bin(item.max[axis]));
             if !context.can_be_cut(item) {
                 first = bin(0.5 * (item.min[axis] + item.max[axis]));
@@ -109,6 +112,9 @@ impl Plane {
     pub(super) fn cut(&self, items: &mut [Primitive], count: usize, context: &Context<'_>) -> usize {
         let mut end = count;
         for i in 0..count {
+            if i % PIECE == PIECE - 1 && (context.stop)() {
+                break;
+            }
             let item = items[i];
             let across = item.min[self.axis] < self.at && self.at < item.max[self.axis];
             if end < items.len() && across && context.can_be_cut(&item) {

@@ -50,7 +50,7 @@ fn every_primitive_stands_in_one_leaf_and_threads_do_not_matter() {
                 .num_threads(threads)
                 .build()
                 .unwrap();
-            pool.install(|| Bvh::build(primitives(n), kinds, 0.0, |_| [DVec3::ZERO; 3]))
+            pool.install(|| Bvh::build(primitives(n), kinds, 0.0, |_| [DVec3::ZERO; 3], || false))
         };
         let (bvh, leaves) = with_threads(1);
         let mut found: Vec<u32> = Vec::new();
@@ -84,6 +84,12 @@ fn every_primitive_stands_in_one_leaf_and_threads_do_not_matter() {
 #[test]
 fn what_has_no_box_is_in_no_leaf() {
     let nothing = Primitive::new(0, Box32::EMPTY, 0.0);
-    let (bvh, leaves) = Bvh::build(vec![nothing; 9], Kinds::default(), 0.0, |_| [DVec3::ZERO; 3]);
+    let (bvh, leaves) = Bvh::build(
+        vec![nothing; 9],
+        Kinds::default(),
+        0.0,
+        |_| [DVec3::ZERO; 3],
+        || false,
+    );
     assert!(bvh.nodes.is_empty() && leaves.triangles.is_empty());
 }

@@ -86,7 +86,7 @@ pub(super) fn why(args: &WhyArgs, signals: &Arc<Signals>, reporter: Reporter) ->
     let subject = Subject::read(&args.file, args.assets.as_deref(), &args.overrides, signals)?;
     let run = subject.load()?.value;
     let scene = &run.scene;
-    let world = World::compile(scene)?;
+    let world = World::compile_for(scene, subject.host())?;
     let (x, y) = args.pixel;
     let count = scene.settings.samples;
     let sample = world.explain_sample(x, y, args.sample, subject.host())?;

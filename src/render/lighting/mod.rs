@@ -12,14 +12,16 @@ use area::{Area, LANES, Lanes, Samples, each, three};
 use crate::{
     color::Color,
     math::{DVec3, Exponent, Ray},
-    scene::LightKind,
+    scene::{CustomReflectance, LightKind, ShadingPoint},
 };
 
 /// The terms of a material that the lights need, looked up once for a point.
-pub(super) struct Gloss {
+pub(super) struct Gloss<'s> {
     pub(super) diffuse: Color,
     pub(super) specular: Color,
     pub(super) exponent: Exponent,
+    /// What answers in place of all that.
+    pub(super) custom: Option<&'s dyn CustomReflectance>,
 }
 
 /// What a point and the one who looks at it have to do with all lights.
@@ -28,7 +30,7 @@ pub(super) struct Lit<'a> {
     at: &'a SurfacePoint<'a>,
     number: u64,
     to_eye: DVec3,
-    gloss: &'a Gloss,
+    gloss: &'a Gloss<'a>,
 }
 
 /// Sum over lights of V L (Kd max(N.L, 0) + Ks max(N.H, 0)^s) at a point seen from `eye`.
@@ -41,13 +43,13 @@ pub(super) fn direct<O: Observer>(
     at: &SurfacePoint<'_>,
     number: u64,
     eye: DVec3,
-    gloss: &Gloss,
+    gloss: &Gloss<'_>,
     path: &Path<'_>,
     counts: &mut Counts,
     observer: &mut O,
 ) -> Color {
     let mut sum = Color::ZERO;
-    if gloss.diffuse == Color::ZERO && gloss.specular == Color::ZERO {
+    if gloss.diffuse == Color::ZERO && gloss.specular == Color::ZERO && gloss.custom.is_none() {
         return sum;
     }
     let to_eye = eye - at.position;
@@ -152,6 +154,9 @@ impl Lit<'_> {
     /// where there is a highlight, N.H a sign other than minus. Spares most lights a root and four divisions.
     #[inline]
     fn is_behind(&self, offset: DVec3) -> bool {
+        if self.gloss.custom.is_some() {
+            return false;
+        }
         let n = self.at.shading_normal;
         let along = n.dot(offset);
         let mut least = 1e-7;
@@ -204,18 +209,23 @@ impl Lit<'_> {
         added
     }
 
-    /// The diffuse and the specular part of [`Lit::respond`].
+    /// The diffuse and the specular part of [`Lit::respond`]; what a program's own rule gives counts as diffuse.
     pub(super) fn respond_in_parts(&self, towards: DVec3) -> [Color; 2] {
         let Gloss {
             diffuse,
             specular,
             exponent,
+            custom,
         } = *self.gloss;
+        if let Some(custom) = custom {
+            return [self.respond_as(custom, towards), Color::ZERO];
+        }
         [(diffuse, Color::ZERO), (Color::ZERO, specular)].map(|(diffuse, specular)| {
             let gloss = &Gloss {
                 diffuse,
                 specular,
                 exponent,
+                custom: None,
             };
             Lit { gloss, ..*self }.respond(towards)
         })
@@ -224,6 +234,9 @@ impl Lit<'_> {
     /// Kd max(N.L, 0) + Ks max(N.H, 0)^s (Blinn, 1977, with H halfway between light and eye).
     #[inline]
     fn respond(&self, towards: DVec3) -> Color {
+        if let Some(custom) = self.gloss.custom {
+            return self.respond_as(custom, towards);
+        }
         let n = self.at.shading_normal;
         let mut response = Color::ZERO;
         let cosine = n.dot(towards);
@@ -240,6 +253,18 @@ impl Lit<'_> {
             }
         }
         response
+    }
+
+    #[cold]
+    fn respond_as(&self, custom: &dyn CustomReflectance, towards: DVec3) -> Color {
+        let at = ShadingPoint {
+            position: self.at.position,
+            normal: self.at.shading_normal,
+            to_eye: self.to_eye,
+            diffuse: self.gloss.diffuse,
+            specular: self.gloss.specular,
+        };
+        custom.response(&at, towards)
     }
 
     /// As [`Lit::add`] for each of several points in turn, `color` being the light's.
@@ -296,6 +321,10 @@ impl Lit<'_> {
     /// As [`Lit::respond`] for each of several points.
     #[inline]
     fn respond_to_all(&self, samples: &Samples) -> [Lanes; 3] {
+        if let Some(custom) = self.gloss.custom {
+            let colors: [Color; LANES] = std::array::from_fn(|i| self.respond_as(custom, samples.towards(i)));
+            return three(|k| each(|i| colors[i][k]));
+        }
         let n = self.at.shading_normal;
         let along_n = |[x, y, z]: &[Lanes; 3]| each(|i| n.x * x[i] + n.y * y[i] + n.z * z[i]);
         let cosine = along_n(&samples.direction);
@@ -303,6 +332,7 @@ impl Lit<'_> {
             diffuse,
             specular,
             exponent,
+            custom: _,
         } = *self.gloss;
         let response = three(|k| {
             each(|i| {

@@ -44,7 +44,7 @@ impl PixelCost {
 /// # Errors
 /// `Cancelled` where the host asks to stop, `Limit` where instancing multiplies past 2^62 primitives.
 pub fn costs(scene: &Scene, host: &dyn Host) -> Result<Vec<PixelCost>, Error> {
-    let world = World::compile(scene)?;
+    let world = World::compile_for(scene, host)?;
     let s = &scene.settings;
     let frame = scene.camera.frame(s.width, s.height);
     by_rows((s.width, s.height), host, |x, y, interrupt| {

@@ -63,7 +63,7 @@ fn show_here(scene: &Scene, what: Show, host: &dyn Host) -> Result<Image, Error>
         let costs = costs(scene, host)?;
         return Ok(heat_map(scene, &costs));
     }
-    let mut world = World::compile(scene)?;
+    let mut world = World::compile_for(scene, host)?;
     world.uv_everywhere = true;
     let met = met(&world, host)?;
     let depths = || met.iter().flatten().map(|met| met.t);

@@ -5,16 +5,20 @@ use std::{borrow::Cow, collections::HashMap};
 use rayon::prelude::*;
 
 use super::{
+    super::interrupt::{self, Interrupt},
     World,
     kept::{KeptTrees, Key},
     level::{Instance, Level, PlacedShape, PlacedSphere, Primitive, TriangleRun, TriangleSource},
+    placing::{ellipsoid_bounds, normal_matrix, place, similarity},
+    tree,
 };
 use crate::{
-    accel::{self, BLOCK, Box32, Bvh, Cuboids, Kinds, NONE, Spheres, Triangles},
+    accel::{self, Box32, Kinds},
     diag::{Diagnostic, Error, ErrorKind},
-    math::{Bounds3, DAffine3, DMat3, DVec3, is_singular},
+    host::{Host, NoHost},
+    math::{Bounds3, DAffine3, is_singular},
     scene::{Geometry, GroupId, MaterialId, Mesh, MeshId, Object, ROOT_GROUP, Scene},
-    shape::{Shape, Sphere},
+    shape::Shape,
 };
 
 /// Levels inside levels; each takes a frame of the traversal's stack.
@@ -26,6 +30,8 @@ const MAX_NUMBERS: u64 = 1 << 62;
 const CUTS: f64 = 0.1;
 /// Least number of primitives that is worth another thread.
 const PIECE: usize = 1024;
+/// Corners that are copied between two looks at the interrupt.
+const COPIED: usize = 1 << 16;
 
 impl<'s> World<'s> {
     /// Compiles a scene: each group that is seen once, its tree built on the threads of the current pool.
@@ -33,20 +39,35 @@ impl<'s> World<'s> {
     /// # Errors
     /// `Limit` where instances are nested too deep or multiply to more than 2^62 primitives.
     pub fn compile(scene: &'s Scene) -> Result<Self, Error> {
-        Self::compile_cutting(scene, CUTS)
+        Self::compile_for(scene, &NoHost)
     }
 
-    /// Compiles with at most so many cuts for each triangle, which changes no result.
-    pub(super) fn compile_cutting(scene: &'s Scene, cuts: f64) -> Result<Self, Error> {
-        Self::compile_keeping(scene, cuts, None)
+    /// As [`World::compile`], and asks the host every few milliseconds whether to stop.
+    ///
+    /// # Errors
+    /// As [`World::compile`]; `Cancelled` where the host asks to stop.
+    pub fn compile_for(scene: &'s Scene, host: &dyn Host) -> Result<Self, Error> {
+        Self::compile_keeping(scene, None, host)
     }
 
-    /// As [`World::compile`], with the trees that are there already.
-    pub(super) fn compile_with(scene: &'s Scene, trees: &KeptTrees) -> Result<Self, Error> {
-        Self::compile_keeping(scene, CUTS, Some(trees))
+    /// As [`World::compile_for`], with the trees that are there already. Give the world back to have them kept.
+    pub(crate) fn compile_keeping(
+        scene: &'s Scene,
+        trees: Option<&KeptTrees>,
+        host: &dyn Host,
+    ) -> Result<Self, Error> {
+        Self::compile_with(scene, CUTS, trees, host)
     }
 
-    fn compile_keeping(scene: &'s Scene, cuts: f64, trees: Option<&KeptTrees>) -> Result<Self, Error> {
+    /// Compiles with at most `cuts` cuts for each triangle, which changes no result, and with the trees that are there
+    /// already.
+    pub(super) fn compile_with(
+        scene: &'s Scene,
+        cuts: f64,
+        trees: Option<&KeptTrees>,
+        host: &dyn Host,
+    ) -> Result<Self, Error> {
+        let interrupt = Interrupt::new(host);
         let mut compiler = Compiler {
             scene,
             levels: Vec::new(),
@@ -57,18 +78,24 @@ impl<'s> World<'s> {
             cuts,
             trees,
             keys: Vec::new(),
+            interrupt: &interrupt,
         };
-        for id in groups_inside_out(scene) {
-            let level = compiler.group(id)?;
-            compiler.of_group.insert(id, level);
-        }
-        Ok(World {
+        let compiled = compiler.groups();
+        let world = World {
             scene,
             levels: compiler.levels,
             keys: compiler.keys,
             packets: true,
             uv_everywhere: false,
-        })
+        };
+        match (compiled, trees) {
+            (Ok(()), _) => Ok(world),
+            (Err(e), None) => Err(e),
+            (Err(e), Some(trees)) => {
+                trees.take_back(world);
+                Err(e)
+            }
+        }
     }
 }
 
@@ -104,9 +131,26 @@ struct Compiler<'s, 'k> {
     /// Trees of earlier compilations, if those are kept, and what the trees of this one are made from.
     trees: Option<&'k KeptTrees>,
     keys: Vec<Key>,
+    interrupt: &'k Interrupt<'k>,
 }
 
 impl<'s> Compiler<'s, '_> {
+    /// Compiles all groups that are seen.
+    fn groups(&mut self) -> Result<(), Error> {
+        for id in groups_inside_out(self.scene) {
+            let level = self.group(id)?;
+            self.of_group.insert(id, level);
+        }
+        Ok(())
+    }
+
+    fn go_on(&self) -> Result<(), Error> {
+        match self.interrupt.poll() {
+            true => Err(interrupt::cancelled()),
+            false => Ok(()),
+        }
+    }
+
     /// Compiles one group whose inner groups are compiled.
     fn group(&mut self, id: GroupId) -> Result<u32, Error> {
         let scene = self.scene;
@@ -118,6 +162,9 @@ impl<'s> Compiler<'s, '_> {
         self.reserve(&mut level, &group.objects);
         let mut depth = 0;
         for (index, object) in group.objects.iter().enumerate() {
+            if index.is_multiple_of(PIECE) {
+                self.go_on()?;
+            }
             let index = index as u32;
             let placing = scene.world_from_object(object);
             match &object.geometry {
@@ -138,7 +185,7 @@ impl<'s> Compiler<'s, '_> {
                     level
                         .runs
                         .push(run(&level, index, TriangleSource::Mesh(*id), &placing));
-                    append_mesh(&mut level, &scene.meshes[id.index()], &placing);
+                    self.append_mesh(&mut level, &scene.meshes[id.index()], &placing)?;
                 }
                 Geometry::Mesh(id) => {
                     let inner = self.mesh(*id)?;
@@ -185,6 +232,28 @@ impl<'s> Compiler<'s, '_> {
         level.spheres.reserve_exact(spheres);
     }
 
+    fn append_mesh(&self, level: &mut Level<'s>, mesh: &'s Mesh, placing: &DAffine3) -> Result<(), Error> {
+        // Nothing came before, and no room was made for anything that is to come.
+        let is_all = level.vertices.is_empty() && level.vertices.to_mut().capacity() <= mesh.positions.len();
+        if is_all && *placing == DAffine3::IDENTITY {
+            level.vertices = Cow::Borrowed(&mesh.positions);
+            level.triangles = Cow::Borrowed(&mesh.triangles);
+            return Ok(());
+        }
+        let first = level.vertices.len() as u32;
+        let vertices = level.vertices.to_mut();
+        for piece in mesh.positions.chunks(COPIED) {
+            vertices.extend(piece.iter().map(|p| place(placing, *p)));
+            self.go_on()?;
+        }
+        let triangles = level.triangles.to_mut();
+        for piece in mesh.triangles.chunks(COPIED) {
+            triangles.extend(piece.iter().map(|t| t.map(|i| i + first)));
+            self.go_on()?;
+        }
+        Ok(())
+    }
+
     /// The level of a mesh that is placed several times.
     fn mesh(&mut self, id: MeshId) -> Result<u32, Error> {
         if let Some(&level) = self.of_mesh.get(&id) {
@@ -197,7 +266,7 @@ impl<'s> Compiler<'s, '_> {
             TriangleSource::Mesh(id),
             &DAffine3::IDENTITY,
         ));
-        append_mesh(&mut level, &self.scene.meshes[id.index()], &DAffine3::IDENTITY);
+        self.append_mesh(&mut level, &self.scene.meshes[id.index()], &DAffine3::IDENTITY)?;
         let level = self.finish(level, 0)?;
         self.of_mesh.insert(id, level);
         Ok(level)
@@ -226,6 +295,11 @@ impl<'s> Compiler<'s, '_> {
             .into_par_iter()
             .with_min_len(PIECE)
             .map(|index| {
+                if self.interrupt.is_stopped()
+                    || (index as usize).is_multiple_of(PIECE) && self.interrupt.poll()
+                {
+                    return accel::Primitive::new(index, Box32::EMPTY, 0.0);
+                }
                 let bounds = self.bounds(&level, index);
                 let area = level.blocking_area(index, bounds) as f32;
                 let around = bounds.map_or(Box32::EVERYTHING, |b| Box32::around(&b));
@@ -245,15 +319,13 @@ impl<'s> Compiler<'s, '_> {
             level.unbounded = (0..primitives.len() as u32).filter(everywhere).collect();
             primitives.retain(|primitive| primitive.bounds() != Box32::EVERYTHING);
         }
-        if let Some(trees) = self.trees {
-            let key = Key::of(&level, &primitives);
-            self.keys.push(key);
-            if !trees.lend(&key, &mut level) {
-                build_tree(&mut level, primitives, kinds, self.cuts);
-            }
-        } else {
-            build_tree(&mut level, primitives, kinds, self.cuts);
+        self.go_on()?;
+        let kept = self.trees.map(|trees| (trees, Key::of(&level, &primitives)));
+        if !kept.is_some_and(|(trees, key)| trees.lend(&key, &mut level)) {
+            tree::build(&mut level, primitives, kinds, self.cuts, self.interrupt);
         }
+        self.go_on()?;
+        self.keys.extend(kept.map(|(_, key)| key));
         self.levels.push(level);
         self.depths.push(depth);
         Ok(self.levels.len() as u32 - 1)
@@ -339,43 +411,6 @@ impl<'s> Compiler<'s, '_> {
     }
 }
 
-/// Builds the tree over all primitives that have bounds, and fills its leaves.
-fn build_tree(level: &mut Level<'_>, primitives: Vec<accel::Primitive>, kinds: Kinds, cuts: f64) {
-    let (bvh, leaves) = Bvh::build(primitives, kinds, cuts, |index| level.corners(index));
-    level.bvh = bvh;
-    level.triangle_blocks = blocks(leaves.triangles, Triangles::EMPTY, |block, lane, index| {
-        block.set(lane, index, level.corners(index));
-    });
-    level.sphere_blocks = blocks(leaves.spheres, Spheres::EMPTY, |block, lane, index| {
-        let index = index - kinds.triangles as u32;
-        let sphere = &level.spheres[index as usize];
-        block.set(lane, index, sphere.center, sphere.radius);
-    });
-    level.cuboid_blocks = blocks(leaves.cuboids, Cuboids::EMPTY, |block, lane, index| {
-        if let Some((cuboid, object_from_level)) = level.cuboid(index) {
-            block.set(lane, index, object_from_level, cuboid.half());
-        }
-    });
-}
-
-/// A block for each leaf; `set` puts the primitive of an index into a lane.
-fn blocks<B: Copy + Send + Sync>(
-    leaves: Vec<[u32; BLOCK]>,
-    empty: B,
-    set: impl Fn(&mut B, usize, u32) + Sync,
-) -> Vec<B> {
-    let block = |indices: [u32; BLOCK]| {
-        let mut block = empty;
-        for (lane, index) in indices.into_iter().enumerate() {
-            if index != NONE {
-                set(&mut block, lane, index);
-            }
-        }
-        block
-    };
-    leaves.into_par_iter().with_min_len(PIECE).map(block).collect()
-}
-
 /// The groups that are seen: those the root places, directly or not, inner ones first, and last the root.
 fn groups_inside_out(scene: &Scene) -> Vec<GroupId> {
     let mut seen = vec![false; scene.groups.len()];
@@ -404,14 +439,6 @@ fn limit(message: String) -> Error {
         .into()
 }
 
-fn place(placing: &DAffine3, p: DVec3) -> DVec3 {
-    if *placing == DAffine3::IDENTITY {
-        p
-    } else {
-        placing.transform_point3(p)
-    }
-}
-
 fn run(level: &Level, object: u32, source: TriangleSource, placing: &DAffine3) -> TriangleRun {
     let mirrored = placing.matrix3.determinant() < 0.0;
     let moved_mesh = matches!(source, TriangleSource::Mesh(_)) && *placing != DAffine3::IDENTITY;
@@ -422,30 +449,6 @@ fn run(level: &Level, object: u32, source: TriangleSource, placing: &DAffine3) -
         mirrored,
         normal_matrix: moved_mesh.then(|| Box::new(normal_matrix(placing))),
     }
-}
-
-/// Takes normals to where `placing` takes points.
-pub(super) fn normal_matrix(placing: &DAffine3) -> DMat3 {
-    placing.matrix3.inverse().transpose()
-}
-
-fn append_mesh<'s>(level: &mut Level<'s>, mesh: &'s Mesh, placing: &DAffine3) {
-    // Nothing came before, and no room was made for anything that is to come.
-    let is_all = level.vertices.is_empty() && level.vertices.to_mut().capacity() <= mesh.positions.len();
-    if is_all && *placing == DAffine3::IDENTITY {
-        level.vertices = Cow::Borrowed(&mesh.positions);
-        level.triangles = Cow::Borrowed(&mesh.triangles);
-        return;
-    }
-    let first = level.vertices.len() as u32;
-    level
-        .vertices
-        .to_mut()
-        .extend(mesh.positions.iter().map(|p| place(placing, *p)));
-    level
-        .triangles
-        .to_mut()
-        .extend(mesh.triangles.iter().map(|t| t.map(|i| i + first)));
 }
 
 fn instance(level: u32, object: u32, placing: &DAffine3) -> Instance {
@@ -472,27 +475,4 @@ fn push_shape(level: &mut Level, shape: &Shape, object: u32, placing: &DAffine3)
         object_from_level: placing.inverse(),
         object,
     });
-}
-
-/// The factor by which a matrix scales all lengths alike; `None` where it does not, to 14 digits.
-fn similarity(m: &DMat3) -> Option<f64> {
-    let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
-    let scale2 = x.length_squared();
-    let small = 1e-14 * scale2;
-    let same = |a: f64, b: f64| (a - b).abs() <= small;
-    let alike = same(y.length_squared(), scale2)
-        && same(z.length_squared(), scale2)
-        && same(x.dot(y), 0.0)
-        && same(y.dot(z), 0.0)
-        && same(z.dot(x), 0.0);
-    alike.then(|| scale2.sqrt())
-}
-
-/// Tight bounds of a sphere under an affine map: along each axis the center plus or minus the radius times the
-/// length of the matrix's row (Quilez, "Bounding box of an ellipse", 2015, from the support function).
-fn ellipsoid_bounds(sphere: &Sphere, level_from_object: &DAffine3) -> Bounds3 {
-    let rows = level_from_object.matrix3.transpose();
-    let center = level_from_object.transform_point3(sphere.center());
-    let half = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length()) * sphere.radius();
-    Bounds3::new(center - half, center + half)
 }

@@ -11,11 +11,7 @@ use std::{
 use rayon::prelude::*;
 
 use super::{World, level::Level};
-use crate::{
-    accel::{self, Bvh, Cuboids, Spheres, Triangles},
-    diag::Error,
-    scene::Scene,
-};
+use crate::accel::{self, Bvh, Cuboids, Spheres, Triangles};
 
 /// Bytes of trees that the last world had no use for.
 const MOST_UNUSED: usize = 256 << 20;
@@ -144,11 +140,6 @@ impl KeptTrees {
         (kept.built, kept.reused)
     }
 
-    /// As [`World::compile`], with the trees that are kept. Give the world back to have them kept again.
-    pub(crate) fn compile<'s>(&self, scene: &'s Scene) -> Result<World<'s>, Error> {
-        World::compile_with(scene, self)
-    }
-
     /// Puts the tree for a key into the level; false where there is none.
     pub(super) fn lend(&self, key: &Key, level: &mut Level<'_>) -> bool {
         let mut kept = self.kept();
@@ -190,7 +181,7 @@ impl KeptTrees {
 mod tests {
     use super::*;
     use crate::{
-        Builder, DVec3, Image, NoHost, RenderOptions,
+        Builder, DVec3, Image, NoHost, RenderOptions, Scene,
         render::render,
         scene::{Mesh, Term},
     };

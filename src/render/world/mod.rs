@@ -11,6 +11,7 @@ mod kept;
 mod level;
 mod origin;
 mod packet;
+mod placing;
 mod query;
 mod shaft;
 mod surface;
@@ -21,6 +22,7 @@ mod through;
 mod through_tests;
 mod touched;
 mod trace;
+mod tree;
 
 pub(crate) use crate::accel::PACKET;
 pub use kept::KeptTrees;

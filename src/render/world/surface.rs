@@ -2,8 +2,8 @@
 
 use super::{
     World,
-    compile::normal_matrix,
     level::{Level, Primitive, TriangleRun, TriangleSource},
+    placing::normal_matrix,
     query::Hit,
 };
 use crate::{

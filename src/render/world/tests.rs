@@ -2,6 +2,7 @@
 
 mod boxes;
 mod extremes;
+mod stops;
 
 use proptest::prelude::*;
 
@@ -10,7 +11,7 @@ use super::{
     query::{Blocker, Hit, Probe},
 };
 use crate::{
-    Builder, DVec3, Scene,
+    Builder, DVec3, NoHost, Scene,
     color::Color,
     math::{Ray, max_abs},
     scene::{Mesh, Term},
@@ -213,7 +214,7 @@ fn triangles_that_were_cut_are_found_from_everywhere() {
             b.triangle(*corners, None).unwrap();
         }
         let scene = b.finish().value;
-        let world = World::compile_cutting(&scene, 3.0).unwrap();
+        let world = World::compile_with(&scene, 3.0, None, &NoHost).unwrap();
         let blocks = &world.levels[0].triangle_blocks;
         let standing = blocks
             .iter()

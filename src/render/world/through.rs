@@ -205,6 +205,8 @@ trait Census {
     fn counts(&self, level: &Level, index: u32) -> bool;
     /// A primitive that counts is met at `t`, its own crossings in ascending order.
     fn meet(&mut self, level: &Level, index: u32, number: u64, t: f64) -> Control;
+    /// Something that may let light through is met more often than can be listed.
+    fn lose_count(&mut self) {}
 }
 
 /// Transparent surfaces along a shadow ray by distance, until something opaque is met.
@@ -224,6 +226,10 @@ impl Found {
 impl Census for Found {
     fn reach(&self) -> f64 {
         self.t_far
+    }
+
+    fn lose_count(&mut self) {
+        self.len = Self::CAPACITY + 1;
     }
 
     #[inline]
@@ -448,6 +454,9 @@ impl<'a, 's, C: Census> Walk<'a, 's, C> {
                 }
                 let ray = self.ray.transformed(&placed.object_from_level);
                 placed.shape.crossings(&ray, &mut crossings);
+                if crossings.is_cut() && self.level.may_be_transparent(index) {
+                    self.census.lose_count();
+                }
             }
         }
         let least = self.probe.drop_start(number, &mut crossings);

@@ -320,6 +320,7 @@ fn of_texture(texture: &Texture) -> u128 {
             digest.vector(*odd);
             digest.floats([*size]);
         }
+        Texture::Custom(texture) => digest.text(&texture.identity()),
     }
     digest.done()
 }
@@ -343,6 +344,7 @@ fn of_material(material: &Material, textures: &[u128]) -> u128 {
         reflection,
         transmission,
         ior,
+        reflectance,
     } = material;
     let mut digest = Digest::new("material");
     for term in [ambient, emission, diffuse, specular, transmission] {
@@ -350,6 +352,9 @@ fn of_material(material: &Material, textures: &[u128]) -> u128 {
     }
     digest.id(reflection.as_ref().map_or(0, |term| of_term(term, textures)));
     digest.floats([*shininess, *ior]);
+    if let Some(reflectance) = reflectance {
+        digest.text(&reflectance.identity());
+    }
     digest.done()
 }
 

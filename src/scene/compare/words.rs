@@ -6,6 +6,7 @@ use super::{
     motion::motion,
 };
 use crate::{
+    custom::Custom,
     math::DVec3,
     scene::{
         Encoding, Geometry, Light, LightKind, Material, Object, Scene, Term, Texture,
@@ -124,6 +125,7 @@ fn shape(ways: &mut Vec<Way>, a: &Shape, b: &Shape) {
             let count = |points: &[DVec3]| points.len().to_string();
             value(ways, "points", || count(a.points()), || count(b.points()));
         }
+        (Shape::Custom(a), Shape::Custom(b)) => value(ways, "shape", || a.identity(), || b.identity()),
         _ => value(ways, "outline", String::new, String::new),
     }
 }
@@ -162,6 +164,14 @@ fn looks(
     }
     number(ways, "shininess", a.shininess, b.shininess);
     number(ways, "ior", a.ior, b.ior);
+    if a.reflectance != b.reflectance {
+        let said = |m: &Material| {
+            m.reflectance
+                .as_ref()
+                .map_or("built in".to_owned(), Custom::identity)
+        };
+        value(ways, "reflectance", || said(&a), || said(&b));
+    }
 }
 
 fn term(scene: &Scene, term: &Term, digits: &dyn Fn(f64) -> f64) -> String {
@@ -173,6 +183,7 @@ fn term(scene: &Scene, term: &Term, digits: &dyn Fn(f64) -> f64) -> String {
             let (even, odd) = (said(*even, digits), said(*odd, digits));
             format!("checker({even}, {odd}, {})", Number(digits(*size)))
         }
+        Some(Texture::Custom(texture)) => texture.identity(),
     };
     if term.color == crate::color::Color::ONE {
         texture

@@ -93,6 +93,8 @@ impl Display for ShapeCall<'_> {
                 }
                 f.write_str("])")
             }
+            // What only the program can make: read back, it is an unknown function, not another picture.
+            Shape::Custom(s) => write!(f, "customShape({})", Text(&s.identity())),
         }
     }
 }

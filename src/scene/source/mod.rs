@@ -174,6 +174,10 @@ impl Writer<'_> {
                     Number(*size)
                 ))?,
                 (Texture::Image(image), None) => self.image(i, image)?,
+                (Texture::Custom(texture), None) => self.call(format_args!(
+                    "const texture_{i} = customTexture({});",
+                    Text(&texture.identity())
+                ))?,
             }
         }
         Ok(())
@@ -330,11 +334,15 @@ impl Writer<'_> {
             reflection,
             transmission,
             ior,
+            reflectance,
         } = material;
+        let own = reflectance.as_ref().map_or_else(String::new, |own| {
+            format!(", reflectance: {}", Text(&own.identity()))
+        });
         let reflection = reflection.map_or("()".to_owned(), |term| Said(term).to_string());
         self.call(format_args!(
             "material(#{{ ambient: {}, emission: {}, diffuse: {}, specular: {}, shininess: {}, \
-             reflection: {reflection}, transmission: {}, ior: {} }});",
+             reflection: {reflection}, transmission: {}, ior: {}{own} }});",
             Said(*ambient),
             Said(*emission),
             Said(*diffuse),

@@ -5,7 +5,7 @@ mod syntax;
 
 use rhai::{AST, EvalAltResult, ParseError, Position};
 
-use super::{CallSite, names, session::Source, value::ScriptError};
+use super::{CallSite, language::Language, names, session::Source, value::ScriptError};
 use crate::{
     diag::{Code, Diagnostic, ErrorKind},
     limits::Limits,
@@ -25,6 +25,7 @@ const LAST_LINE: u32 = 65_535;
 pub(super) struct Context<'a> {
     pub(super) sources: &'a [Source],
     pub(super) limits: &'a Limits,
+    pub(super) language: &'a Language,
     /// The script, where it could be read.
     pub(super) ast: Option<&'a AST>,
 }

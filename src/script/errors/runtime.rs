@@ -23,7 +23,7 @@ pub(super) fn message(error: &EvalAltResult, pos: Position, text: &str, context:
     let limits = context.limits;
     match error {
         E::ErrorFunctionNotFound(signature, _) => {
-            Names::of(context.ast).unknown_function(signature, context.sources)
+            Names::of(context.ast, context.language).unknown_function(signature, context.sources)
         }
         E::ErrorVariableNotFound(name, _) => names::unknown_variable(name, pos, text),
         E::ErrorParsing(e, pos) => syntax::message(e, *pos, text, context),

@@ -39,6 +39,7 @@ pub(super) fn distance(shape: &Shape, p: DVec3) -> f64 {
         Shape::Torus(t) => profile.distance(DVec2::new(t.major(), 0.0)) - t.minor(),
         Shape::Plane(Plane) => p.y.abs(),
         Shape::Polygon(polygon) => distance_to_polygon(polygon, p),
+        Shape::Custom(_) => panic!("none of ours"),
     }
 }
 
@@ -74,6 +75,7 @@ fn distance_to_edges(points: &[DVec3], p: DVec3) -> f64 {
 pub(super) fn edge_distance(shape: &Shape, p: DVec3) -> f64 {
     let ring = |r: f64, y: f64| DVec2::new(DVec2::new(p.x, p.z).length() - r, p.y - y).length();
     match shape {
+        Shape::Custom(_) => panic!("none of ours"),
         Shape::Cuboid(c) => {
             let mut q = (p.abs() - c.size() * 0.5).abs().to_array();
             q.sort_by(f64::total_cmp);
