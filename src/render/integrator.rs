@@ -172,6 +172,7 @@ pub(super) fn radiance<O: Observer>(
 /// What a ray shows that meets `hit`. Where something transparent touches something opaque, as a block of glass touches the table it
 /// stands on, that is the opaque one: it would be seen through the other anyway, and which of the two is nearer
 /// is a matter of rounding.
+#[inline(always)]
 fn seen<'s>(world: &World<'s>, probe: &Probe, hit: Hit) -> Option<(Hit, SurfacePoint<'s>)> {
     let at = world.surface(&hit, &probe.ray)?;
     if at.material.transmission.is_black() {

@@ -73,6 +73,13 @@ pub trait CustomShape: fmt::Debug + Send + Sync {
     fn surface(&self, p: DVec3, part: u8) -> Surface;
 }
 
+/// Apart from the crossings of our own shapes, which are compiled into one function.
+#[cold]
+#[inline(never)]
+pub(super) fn crossings(shape: &dyn CustomShape, ray: &Ray, out: &mut Crossings) {
+    shape.crossings(ray, out);
+}
+
 impl Shape {
     /// A shape of the program's own.
     #[must_use]

@@ -77,14 +77,9 @@ impl Crossings {
 
     /// Adds a crossing in its place; NaN is dropped. Of more than [`Self::CAPACITY`] those stay that matter to a ray from
     /// t = 0 on: the nearest to its origin, which may be its own start, and the first after it.
+    #[inline]
     pub fn push(&mut self, t: f64, part: u8) {
-        if t.is_nan() {
-            return;
-        }
-        if self.len == Self::CAPACITY {
-            self.make_room(t);
-        }
-        if self.len == Self::CAPACITY {
+        if t.is_nan() || self.len == Self::CAPACITY && !self.make_room(t) {
             return;
         }
         let mut i = self.len;
@@ -96,20 +91,25 @@ impl Crossings {
         self.len += 1;
     }
 
-    /// Where there is no room for a crossing at `t`, drops the one that matters least, if that is another.
+    /// Where there is no room for a crossing at `t`, drops the one that matters least; false where that is the new one.
     #[cold]
-    fn make_room(&mut self, t: f64) {
+    #[inline(never)]
+    fn make_room(&mut self, t: f64) -> bool {
         self.is_cut = true;
         let behind = self.items.iter().filter(|c| c.t <= 0.0).count() + usize::from(t <= 0.0);
-        if behind > 1 {
+        let another = if behind > 1 {
             // The farthest behind the origin.
-            if self.items[0].t < t {
+            self.items[0].t < t
+        } else {
+            t < self.items[Self::CAPACITY - 1].t
+        };
+        if another {
+            if behind > 1 {
                 self.items.copy_within(1.., 0);
-                self.len -= 1;
             }
-        } else if t < self.items[Self::CAPACITY - 1].t {
             self.len -= 1;
         }
+        another
     }
 
     /// Whether crossings were dropped because there were more than [`Self::CAPACITY`].
@@ -217,7 +217,7 @@ macro_rules! shapes {
             pub fn crossings(&self, ray: &Ray, out: &mut Crossings) {
                 match self {
                     $(Self::$name(s) => s.crossings(ray, out),)*
-                    Self::Custom(s) => s.crossings(ray, out),
+                    Self::Custom(s) => custom::crossings(&**s, ray, out),
                 }
             }
 

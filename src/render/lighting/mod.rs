@@ -256,6 +256,7 @@ impl Lit<'_> {
     }
 
     #[cold]
+    #[inline(never)]
     fn respond_as(&self, custom: &dyn CustomReflectance, towards: DVec3) -> Color {
         let at = ShadingPoint {
             position: self.at.position,
