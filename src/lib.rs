@@ -33,8 +33,10 @@
 //! RGB with Rec. 709 primaries; the picture's origin is its top left corner. `ARCHITECTURE.md` in the repository
 //! tells how it works and why.
 
+#[doc(hidden)]
 pub mod accel;
 #[cfg(feature = "cli")]
+#[doc(hidden)]
 pub mod cli;
 pub mod color;
 pub mod custom;
