@@ -36,6 +36,9 @@ mod test;
 mod watch;
 mod why;
 
+#[cfg(fuzzing)]
+pub use lsp::lsp_answers;
+
 use std::{
     collections::BTreeMap,
     ffi::OsString,

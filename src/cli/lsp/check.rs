@@ -113,6 +113,14 @@ impl Checker {
         Self { queue }
     }
 
+    /// Without threads: nothing is ever checked.
+    #[cfg(fuzzing)]
+    pub(super) fn idle() -> Self {
+        Self {
+            queue: Arc::default(),
+        }
+    }
+
     /// Checks a document soon. A check of the same document that is running or waiting is given up.
     pub(super) fn schedule(&self, job: Job) {
         self.forget(&job.uri);

@@ -23,3 +23,10 @@ use std::io;
 pub(super) fn lsp() -> u8 {
     server::serve(io::stdin(), io::stdout().lock())
 }
+
+/// What a client is answered that sends these bytes, without the checks that run beside.
+#[cfg(fuzzing)]
+#[must_use]
+pub fn lsp_answers(bytes: &[u8]) -> Vec<u8> {
+    server::answers(bytes)
+}
