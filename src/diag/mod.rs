@@ -71,7 +71,8 @@ pub struct Diagnostic {
     pub kind: ErrorKind,
     /// Which class of errors or warnings it belongs to.
     pub code: Code,
-    /// What is wrong: lower case, no full stop.
+    /// What is wrong: lower case, no full stop. [`Diagnostic::error`] puts it on one line of at most 4096 bytes and
+    /// escapes control characters, and so it is with notes and hints; what a script throws may hold any.
     pub message: String,
     /// The file as its reader knows it (never an absolute path made up by the library).
     pub file: Option<Arc<str>>,
@@ -95,7 +96,7 @@ impl Diagnostic {
             severity: Severity::Error,
             kind,
             code: kind.into(),
-            message: message.into(),
+            message: on_one_line(message.into()),
             file: None,
             line: 0,
             column: 0,
@@ -153,16 +154,40 @@ impl Diagnostic {
     /// Adds a hint.
     #[must_use]
     pub fn hint(mut self, hint: impl Into<String>) -> Self {
-        self.hints.push(hint.into());
+        self.hints.push(on_one_line(hint.into()));
         self
     }
 
     /// Adds a note.
     #[must_use]
     pub fn note(mut self, note: impl Into<String>) -> Self {
-        self.notes.push(note.into());
+        self.notes.push(on_one_line(note.into()));
         self
     }
+}
+
+/// Most bytes of a message: what it quotes may be megabytes.
+const LONGEST: usize = 4096;
+
+/// A text on one line without what would upset a terminal, and not too long: scripts, files and their names say what
+/// they like.
+pub(crate) fn on_one_line(text: String) -> String {
+    if text.len() <= LONGEST && !text.chars().any(char::is_control) {
+        return text;
+    }
+    let mut line = String::new();
+    for c in text.chars() {
+        if line.len() > LONGEST - 16 {
+            line.push_str("...");
+            break;
+        }
+        match c {
+            '\t' | '\n' | '\r' => line.push(' '),
+            c if c.is_control() => line.extend(c.escape_default()),
+            c => line.push(c),
+        }
+    }
+    line
 }
 
 /// `file:line:column: error: message`, then notes and hints on lines of their own.
@@ -245,6 +270,21 @@ pub struct Report<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_message_is_one_line_of_bounded_length_without_control_characters() {
+        let d = Diagnostic::error(ErrorKind::Input, "cannot read 'a\u{1b}[2J\n\u{e9}'")
+            .note("\u{7}")
+            .hint("a\r");
+        assert_eq!(d.message, "cannot read 'a\\u{1b}[2J \u{e9}'");
+        assert_eq!((&*d.notes[0], &*d.hints[0]), ("\\u{7}", "a "));
+        let long = Diagnostic::error(ErrorKind::Script, "\u{e9}".repeat(5000)).message;
+        assert!(
+            long.ends_with("\u{e9}...") && (4070..=4096).contains(&long.len()),
+            "{}",
+            long.len()
+        );
+    }
 
     #[test]
     fn a_diagnostic_reads_like_a_compilers() {

@@ -34,6 +34,7 @@ pub use vocabulary::{CONSTANTS, Constant, EXAMPLE_FILES, PROPERTIES, Property};
 
 use std::{
     any::Any,
+    borrow::Cow,
     panic::{AssertUnwindSafe, catch_unwind},
     sync::{Arc, atomic::AtomicBool},
     thread,
@@ -83,7 +84,7 @@ impl Script {
     pub fn compile_in(language: &Language, name: &str, source: &str, limits: &Limits) -> Result<Self, Error> {
         let limits = &for_the_stack(limits);
         let too_large = source.len() > limits.source_bytes;
-        let source = without_mark(source);
+        let source = normal(source);
         let source = Source {
             name: name.to_owned(),
             host_path: String::new(),
@@ -334,9 +335,20 @@ impl Script {
     }
 }
 
-/// The text without the byte order mark that some editors put first.
-fn without_mark(text: &str) -> &str {
-    text.strip_prefix('\u{feff}').unwrap_or(text)
+/// The text without the byte order mark that some editors put first, and with LF for a CR that stands alone: Rhai ends
+/// a line there in some places and not in others.
+fn normal(text: &str) -> Cow<'_, str> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    if !text.contains('\r') {
+        return text.into();
+    }
+    let mut chars = text.chars().peekable();
+    let mut normal = String::with_capacity(text.len());
+    while let Some(c) = chars.next() {
+        let alone = c == '\r' && chars.peek() != Some(&'\n');
+        normal.push(if alone { '\n' } else { c });
+    }
+    normal.into()
 }
 
 /// Puts the caller's decisions in place.

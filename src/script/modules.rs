@@ -7,10 +7,9 @@ use rhai::{
 };
 
 use super::{
-    engine,
+    engine, normal,
     session::{Source, State, with_state},
     value::{Outcome, ScriptError},
-    without_mark,
 };
 use crate::{
     diag::{Code, ErrorKind},
@@ -80,7 +79,7 @@ impl Resolver {
                 ),
             )
         })?;
-        let text: Arc<str> = without_mark(&text).into();
+        let text: Arc<str> = normal(&text).into();
         state.sources.push(Source {
             name: name.clone(),
             host_path: host_path.clone(),

@@ -130,7 +130,9 @@ impl Builder {
         if let Some(file) = self.scene.files.get(usize::from(loc.file)) {
             d = d.at(file, loc.line, u32::from(loc.column));
         }
-        d.hints.extend(hint.map(str::to_owned));
+        if let Some(hint) = hint {
+            d = d.hint(hint);
+        }
         self.warnings.push(d);
     }
 

@@ -7,12 +7,9 @@ use rhai::{AST, EvalAltResult, ParseError, Position};
 
 use super::{CallSite, language::Language, names, session::Source, value::ScriptError};
 use crate::{
-    diag::{Code, Diagnostic, ErrorKind},
+    diag::{Code, Diagnostic, ErrorKind, on_one_line},
     limits::Limits,
 };
-
-/// Longest message: a script can throw megabytes.
-const LONGEST: usize = 4096;
 
 /// Calls listed at each end of a long chain.
 const FIRST_CALLS: usize = 8;
@@ -205,28 +202,12 @@ fn call_note(step: &Step<'_>) -> String {
     }
 }
 
-/// The last touches: no message is longer than a page, none has a line break.
+/// The last touch: none of its texts is longer than a page or has a line break.
 pub(super) fn finish(mut d: Diagnostic) -> Diagnostic {
-    d.message = shortened(&d.message);
     for text in d.notes.iter_mut().chain(&mut d.hints) {
-        *text = shortened(text);
+        *text = on_one_line(std::mem::take(text));
     }
     d
-}
-
-fn shortened(text: &str) -> String {
-    let mut short: String = text
-        .chars()
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .scan(0, |bytes, c| {
-            *bytes += c.len_utf8();
-            (*bytes <= LONGEST - 3).then_some(c)
-        })
-        .collect();
-    if short.len() < text.len() {
-        short.push_str("...");
-    }
-    short
 }
 
 /// The error of a scene function that the engine carries.
@@ -257,16 +238,4 @@ fn uncapitalized(text: &str) -> String {
         return text.to_owned();
     }
     format!("{}{rest}", first.unwrap_or_default())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn long_messages_are_cut_between_characters() {
-        let cut = shortened(&"é".repeat(5000));
-        assert!(cut.len() <= LONGEST && cut.ends_with("..."), "{}", cut.len());
-        assert_eq!(shortened("a\nb"), "a b");
-    }
 }
