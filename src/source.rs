@@ -45,7 +45,8 @@ pub fn text(name: &str, bytes: Vec<u8>, limits: &Limits) -> Result<String, Error
         .into());
     }
     let mut text = String::from_utf8(bytes).map_err(|e| {
-        let valid = String::from_utf8_lossy(&e.as_bytes()[..e.utf8_error().valid_up_to()]);
+        let valid = e.as_bytes().get(..e.utf8_error().valid_up_to());
+        let valid = String::from_utf8_lossy(valid.unwrap_or_default());
         let line = valid.matches('\n').count() as u32 + 1;
         let column = valid.rsplit('\n').next().unwrap_or_default().chars().count() as u32 + 1;
         Diagnostic::error(ErrorKind::Input, "the file is not UTF-8 text")

@@ -1,6 +1,6 @@
 //! Which module may name which. `ARCHITECTURE.md` draws the picture; this test keeps it true.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 use std::{
     collections::{BTreeMap, BTreeSet},

@@ -1,7 +1,7 @@
 //! Closed meshes hold every ray that starts inside them: aimed at vertices, edges and faces, at any scale, moved,
 //! turned, mirrored and placed as instances.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
 use std::{collections::HashMap, sync::Arc};
 

@@ -4,7 +4,7 @@
 //! was taken of, which is there to be looked at and compared with. Scenes under `errors/` must fail, and their
 //! snapshot is the message.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 use std::{
     env, fs, panic,

@@ -61,17 +61,12 @@ pub fn check(diagnostic: &Diagnostic, texts: &[(&str, &str)]) {
         assert!(control.is_none(), "{control:?} in a message: {line:?}");
     }
     let known = texts.iter().find(|(name, _)| Some(*name) == d.file.as_deref());
-    let Some((name, text)) = known.filter(|_| d.line > 0) else {
+    let Some((_, text)) = known.filter(|_| d.line > 0) else {
         assert!(d.line == 0 || d.file.is_some(), "a line without a file: {d:?}");
         return;
     };
-    // The end of a text that ends with a line end is on the line after it. In all but scripts, CR alone ends a line, too.
-    let text = text.replace("\r\n", "\n");
-    let text = if name.ends_with(".rhai") {
-        text
-    } else {
-        text.replace('\r', "\n")
-    };
+    // The end of a text that ends with a line end is on the line after it; CR alone ends a line, too.
+    let text = text.replace("\r\n", "\n").replace('\r', "\n");
     let line = text.split('\n').nth(d.line as usize - 1);
     let line = line.unwrap_or_else(|| panic!("line {} is not in the file: {d}", d.line));
     let most = line.chars().count() as u32 + 1;

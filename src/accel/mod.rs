@@ -4,6 +4,11 @@
 //! a ray in that misses, and never keep one out that hits. So the nearest hit is a matter of the primitives
 //! alone, and neither the shape of the tree nor the instructions used can move a bit of a picture.
 
+#![allow(
+    clippy::indexing_slicing,
+    reason = "a tree refers only to nodes and blocks that its builder made, and lanes are counted by constants"
+)]
+
 mod blocks;
 mod boxes;
 mod build;

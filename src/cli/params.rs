@@ -30,7 +30,12 @@ fn table(declared: &[Declared]) -> String {
         .iter()
         .map(|p| [p.name.clone(), p.expected(), p.default.clone(), p.doc.clone()])
         .collect();
-    let widths = [0, 1, 2].map(|i: usize| rows.iter().map(|row| row[i].chars().count()).max().unwrap_or(0));
+    let mut widths = [0; 3];
+    for row in &rows {
+        for (width, cell) in widths.iter_mut().zip(row) {
+            *width = cell.chars().count().max(*width);
+        }
+    }
     let mut text = String::new();
     for [name, expected, default, doc] in &rows {
         let [a, b, c] = widths;

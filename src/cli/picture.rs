@@ -112,7 +112,9 @@ impl Pixels {
                 for y in span(row, height, self.height) {
                     for x in span(column, width, self.width) {
                         let color = self.at(x, y);
-                        sums = [0, 1, 2].map(|i: usize| sums[i] + u32::from(color[i]));
+                        for (sum, channel) in sums.iter_mut().zip(color) {
+                            *sum += u32::from(channel);
+                        }
                         count += 1;
                     }
                 }
@@ -182,9 +184,10 @@ fn paint(text: &mut String, ground: u8, color: Option<[u8; 3]>, colors: Colors) 
 fn xterm256(color: [u8; 3]) -> u8 {
     const LEVELS: [u8; 6] = [0, 95, 135, 175, 215, 255];
     let nearest = |c: u8| {
-        (0..6u8)
-            .min_by_key(|i| LEVELS[usize::from(*i)].abs_diff(c))
-            .unwrap_or(0)
+        let levels = (0u8..).zip(LEVELS);
+        levels
+            .min_by_key(|(_, level)| level.abs_diff(c))
+            .unwrap_or_default()
     };
     let cube = color.map(nearest);
     let mean = color.iter().map(|c| u32::from(*c)).sum::<u32>() / 3;
@@ -196,25 +199,40 @@ fn xterm256(color: [u8; 3]) -> u8 {
             .map(|(a, b)| u32::from(a.abs_diff(b)).pow(2))
             .sum()
     };
-    if distance([8 + 10 * gray; 3]) < distance(cube.map(|i| LEVELS[usize::from(i)])) {
+    if distance([8 + 10 * gray; 3]) < distance(cube.map(|(_, level)| level)) {
         return 232 + gray;
     }
-    16 + 36 * cube[0] + 6 * cube[1] + cube[2]
+    let [red, green, blue] = cube.map(|(index, _)| index);
+    16 + 36 * red + 6 * green + blue
 }
 
 /// Base64 with padding (RFC 4648, section 4).
 pub(super) fn base64(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
     for chunk in bytes.chunks(3) {
         let byte = |i: usize| chunk.get(i).copied().map_or(0, u32::from);
         let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
         for i in 0..4 {
-            let digit = DIGITS[(bits >> (18 - 6 * i) & 63) as usize];
-            text.push(if i <= chunk.len() { digit as char } else { '=' });
+            let digit = (bits >> (18 - 6 * i) & 63) as u8;
+            text.push(if i <= chunk.len() {
+                base64_digit(digit)
+            } else {
+                '='
+            });
         }
     }
     text
+}
+
+/// The digit of a value up to 63.
+fn base64_digit(value: u8) -> char {
+    char::from(match value {
+        0..=25 => b'A' + value,
+        26..=51 => b'a' + (value - 26),
+        52..=61 => b'0' + (value - 52),
+        62 => b'+',
+        _ => b'/',
+    })
 }
 
 #[cfg(test)]

@@ -86,7 +86,12 @@ fn write_run(text: &mut String, sixel: u8, count: usize) {
 fn dithered(color: [u8; 3], x: usize, y: usize) -> [u8; 3] {
     const BAYER: [[i16; 4]; 4] = [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
     let step = 256i16 >> BITS;
-    let moved = (BAYER[y % 4][x % 4] * 2 - 15) * step / 32;
+    let row = BAYER.get(y % 4);
+    let moved = (row
+        .and_then(|row| row.get(x % 4))
+        .map_or(0, |threshold| threshold * 2 - 15))
+        * step
+        / 32;
     color.map(|c| (i16::from(c) + moved).clamp(0, 255) as u8)
 }
 
@@ -95,6 +100,12 @@ struct Palette {
     colors: Vec<[u8; 3]>,
     /// The color for each of the colors told apart.
     of_key: Vec<u8>,
+}
+
+fn add(sum: &mut [u64; 3], color: [u64; 3]) {
+    for (sum, channel) in sum.iter_mut().zip(color) {
+        *sum += channel;
+    }
 }
 
 /// Colors told apart, with how many pixels have them.
@@ -110,7 +121,7 @@ impl Palette {
             let key = usize::from(key(dithered(*color, i % width, i / width)));
             if let (Some(count), Some(sum)) = (counts.get_mut(key), sums.get_mut(key)) {
                 *count += 1;
-                *sum = [0, 1, 2].map(|i: usize| sum[i] + u64::from(color[i]));
+                add(sum, color.map(u64::from));
             }
         }
         let used = (0..).zip(counts).filter(|(_, count)| *count > 0);
@@ -137,7 +148,7 @@ impl Palette {
             let (mut total, mut weight) = ([0u64; 3], 0);
             for (key, count) in members {
                 let sum = sums.get(usize::from(*key)).copied().unwrap_or_default();
-                total = [0, 1, 2].map(|i: usize| total[i] + sum[i]);
+                add(&mut total, sum);
                 weight += u64::from(*count);
                 if let Some(place) = of_key.get_mut(usize::from(*key)) {
                     *place = index;

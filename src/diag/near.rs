@@ -35,25 +35,29 @@ pub fn nearest_names<'a>(name: &str, candidates: impl IntoIterator<Item = &'a st
 
 /// Number of insertions, deletions, replacements and swaps of neighbours between two words (Damerau, 1964).
 fn edit_distance(a: &[char], b: &[char]) -> usize {
-    let width = b.len() + 1;
-    let mut table = vec![0; (a.len() + 1) * width];
-    for i in 0..=a.len() {
-        for j in 0..=b.len() {
-            table[i * width + j] = if i == 0 || j == 0 {
-                i + j
-            } else {
-                let replaced = table[(i - 1) * width + j - 1] + usize::from(a[i - 1] != b[j - 1]);
-                let mut best = replaced
-                    .min(table[(i - 1) * width + j] + 1)
-                    .min(table[i * width + j - 1] + 1);
-                if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                    best = best.min(table[(i - 2) * width + j - 2] + 1);
-                }
-                best
-            };
+    // Rows of the table of distances between the beginnings of both: the one before the last, the last, and the next.
+    let mut earlier: Vec<usize> = Vec::new();
+    let mut last: Vec<usize> = (0..=b.len()).collect();
+    let mut before_a = None;
+    for (i, &ca) in a.iter().enumerate() {
+        let mut next = Vec::with_capacity(last.len());
+        next.push(i + 1);
+        let mut left = i + 1;
+        let mut before_b = None;
+        for ((j, &cb), pair) in b.iter().enumerate().zip(last.windows(2)) {
+            let &[above_left, above] = pair else { break };
+            let mut best = (above_left + usize::from(ca != cb)).min(above + 1).min(left + 1);
+            let swapped = before_a == Some(cb) && before_b == Some(ca);
+            if let Some(swap) = earlier.get(j.wrapping_sub(1)).filter(|_| swapped) {
+                best = best.min(swap + 1);
+            }
+            next.push(best);
+            (left, before_b) = (best, Some(cb));
         }
+        earlier = std::mem::replace(&mut last, next);
+        before_a = Some(ca);
     }
-    table[table.len() - 1]
+    last.last().copied().unwrap_or(0)
 }
 
 #[cfg(test)]

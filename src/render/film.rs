@@ -1,5 +1,10 @@
 //! The finished picture.
 
+#![allow(
+    clippy::indexing_slicing,
+    reason = "the table has an entry for every interval from 0 to 1, which the value is clamped to"
+)]
+
 use crate::{
     color::{Color, linear_from_srgb, srgb_from_linear},
     scene::Encoding,

@@ -1,5 +1,10 @@
 //! A picture in tiles over all threads. Each pixel depends on its place alone, so their order does not matter.
 
+#![allow(
+    clippy::indexing_slicing,
+    reason = "a buffer has room for the packet it is made for, and tiles are cut from the size of the picture"
+)]
+
 use std::{
     sync::{
         Mutex,

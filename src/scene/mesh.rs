@@ -59,13 +59,11 @@ impl Mesh {
             )));
         }
         let count = positions.len();
-        if let Some(i) = triangles
-            .iter()
-            .position(|t| t.iter().any(|&v| v as usize >= count))
-        {
+        let outside = |t: &[u32; 3]| t.iter().any(|&v| v as usize >= count);
+        if let Some((i, triangle)) = triangles.iter().enumerate().find(|(_, t)| outside(t)) {
             return Err(SceneError::new(format!(
                 "triangle {i} of the mesh has the vertex {}, but there are {count} vertices, counted from 0",
-                triangles[i].iter().max().copied().unwrap_or(0)
+                triangle.iter().max().copied().unwrap_or(0)
             )));
         }
         Ok(Self {
@@ -79,7 +77,11 @@ impl Mesh {
     }
 
     /// The corners of triangle `face`.
+    ///
+    /// # Panics
+    /// Where there is no such triangle.
     #[must_use]
+    #[allow(clippy::indexing_slicing, reason = "[`Mesh::new`] checks every index")]
     pub fn corners(&self, face: usize) -> [DVec3; 3] {
         self.triangles[face].map(|i| self.positions[i as usize])
     }

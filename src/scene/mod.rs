@@ -176,7 +176,11 @@ pub struct Scene {
 
 impl Scene {
     /// The group that is seen.
+    ///
+    /// # Panics
+    /// Where a program took it out of [`Scene::groups`]: every scene is made with it.
     #[must_use]
+    #[allow(clippy::indexing_slicing, reason = "every scene is made with its root")]
     pub fn root(&self) -> &Group {
         &self.groups[ROOT_GROUP.index()]
     }
@@ -202,7 +206,14 @@ impl Scene {
     }
 
     /// World (or group) from object of an object.
+    ///
+    /// # Panics
+    /// Where the object is not one of this scene.
     #[must_use]
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "the builder gives out handles of what is there"
+    )]
     pub fn world_from_object(&self, object: &Object) -> DAffine3 {
         self.transforms[object.transform.index()]
     }

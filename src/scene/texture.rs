@@ -66,14 +66,15 @@ impl Texture {
 }
 
 impl ImageTexture {
-    /// Scene-linear color of the texel in column `x`, row `y` from the top; both must be in range.
+    /// Scene-linear color of the texel in column `x`, row `y` from the top; black where there is none.
     #[must_use]
     pub fn texel(&self, x: u32, y: u32) -> Color {
         let index = y as usize * self.width as usize + x as usize;
-        match &self.texels {
-            Texels::Srgb8(texels) => Color::from_array(texels[index].map(linear_from_byte)),
-            Texels::Linear(texels) => Color::from_array(texels[index]),
-        }
+        let texel = match &self.texels {
+            Texels::Srgb8(texels) => texels.get(index).map(|texel| texel.map(linear_from_byte)),
+            Texels::Linear(texels) => texels.get(index).copied(),
+        };
+        texel.map_or(Color::ZERO, Color::from_array)
     }
 
     /// Bilinear lookup with repetition; texel (0, 0) is the top left one, at u = 0 and v = 1.
@@ -95,6 +96,7 @@ impl ImageTexture {
     }
 }
 
+#[allow(clippy::indexing_slicing, reason = "the table has an entry for every byte")]
 fn linear_from_byte(byte: u8) -> f64 {
     static TABLE: std::sync::LazyLock<[f64; 256]> =
         std::sync::LazyLock::new(|| std::array::from_fn(|i| color::linear_from_srgb(i as f64 / 255.0)));

@@ -50,8 +50,9 @@ impl Resolver {
         let mut chain = vec![own_name.to_owned()];
         chain.extend(state.loading.iter().cloned());
         if let Some(start) = chain.iter().position(|p| *p == host_path) {
-            let circle: Vec<&str> = chain[start..]
+            let circle: Vec<&str> = chain
                 .iter()
+                .skip(start)
                 .map(String::as_str)
                 .chain([host_path.as_str()])
                 .collect();

@@ -75,11 +75,11 @@ pub(super) fn offset(text: &str, position: Position) -> Option<usize> {
 /// Replaces the statement around the byte `at` by blanks; lines stay lines. Returns where it ended.
 fn blank_statement(text: &mut String, at: usize) -> usize {
     let marks = marks(text);
-    let before = marks.partition_point(|(i, _)| *i < at);
-    let start = marks[..before].last().map_or(0, |(i, _)| i + 1);
+    let (before, after) = marks.split_at(marks.partition_point(|(i, _)| *i < at));
+    let start = before.last().map_or(0, |(i, _)| i + 1);
     let mut end = text.len();
     let mut depth = 0usize;
-    for &(i, mark) in &marks[before..] {
+    for &(i, mark) in after {
         match mark {
             '{' => depth += 1,
             ';' if depth == 0 => {

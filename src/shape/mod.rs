@@ -78,6 +78,10 @@ impl Crossings {
     /// Adds a crossing in its place; NaN is dropped. Of more than [`Self::CAPACITY`] those stay that matter to a ray from
     /// t = 0 on: the nearest to its origin, which may be its own start, and the first after it.
     #[inline]
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "there is room for one more than `len`, as was just asked"
+    )]
     pub fn push(&mut self, t: f64, part: u8) {
         if t.is_nan() || self.len == Self::CAPACITY && !self.make_room(t) {
             return;
@@ -94,6 +98,7 @@ impl Crossings {
     /// Where there is no room for a crossing at `t`, drops the one that matters least; false where that is the new one.
     #[cold]
     #[inline(never)]
+    #[allow(clippy::indexing_slicing, reason = "all places are taken")]
     fn make_room(&mut self, t: f64) -> bool {
         self.is_cut = true;
         let behind = self.items.iter().filter(|c| c.t <= 0.0).count() + usize::from(t <= 0.0);
@@ -120,6 +125,10 @@ impl Crossings {
 
     /// The crossings in order.
     #[must_use]
+    #[allow(
+        clippy::indexing_slicing,
+        reason = "`len` is at most the capacity, which `push` sees to"
+    )]
     pub fn as_slice(&self) -> &[Crossing] {
         &self.items[..self.len]
     }
@@ -127,8 +136,9 @@ impl Crossings {
     /// Drops the crossing that is the ray's own start on this surface: the one nearest to t = 0, if it is
     /// within `t_self`.
     pub fn drop_start(&mut self, t_self: f64) {
-        let nearest = (0..self.len).min_by(|&a, &b| self.items[a].t.abs().total_cmp(&self.items[b].t.abs()));
-        if let Some(i) = nearest.filter(|&i| self.items[i].t.abs() <= t_self) {
+        let distances = self.as_slice().iter().map(|crossing| crossing.t.abs());
+        let nearest = distances.enumerate().min_by(|(_, a), (_, b)| a.total_cmp(b));
+        if let Some((i, _)) = nearest.filter(|(_, distance)| *distance <= t_self) {
             self.items.copy_within(i + 1..self.len, i);
             self.len -= 1;
         }

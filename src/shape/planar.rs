@@ -36,6 +36,10 @@ pub(super) fn orient(a: DVec2, b: DVec2, c: DVec2) -> f64 {
 /// Two edges that properly cross, each named by its first point. Edges that touch or overlap do not count:
 /// bridges to holes do so. Coordinates are expected within [-1, 1]. Sorted by their left ends, edges are
 /// compared with those that begin before they end.
+#[allow(
+    clippy::indexing_slicing,
+    reason = "indices count the points, modulo their number"
+)]
 pub(super) fn crossing_edges(points: &[DVec2]) -> Option<(usize, usize)> {
     let n = points.len();
     let edge = |i: usize| (points[i], points[(i + 1) % n]);

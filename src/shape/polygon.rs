@@ -65,23 +65,21 @@ impl Polygon {
     /// Where a number is not finite or beyond 1e15, fewer than 3 points differ, the area is 0, a point is
     /// off the plane by more than 1e-4 of the polygon's extent, or two edges cross.
     pub fn new(points: Vec<DVec3>) -> Result<Self, SceneError> {
-        if let Some(i) = points
-            .iter()
-            .position(|p| !(p.is_finite() && max_abs(*p) <= 1e15))
-        {
+        let wrong = |p: &DVec3| !(p.is_finite() && max_abs(*p) <= 1e15);
+        if let Some((i, p)) = points.iter().enumerate().find(|(_, p)| wrong(p)) {
             return Err(SceneError::new(format!(
-                "points[{i}] of the polygon must be finite numbers within 1e15, not {}",
-                points[i]
+                "points[{i}] of the polygon must be finite numbers within 1e15, not {p}"
             )));
         }
         let kept = distinct(points)?;
         let points: Vec<DVec3> = kept.iter().map(|p| p.1).collect();
-        let name = |i: usize| kept[i % kept.len()].0;
+        // Where there are no points, there is none to be named.
+        let name = |i: usize| kept.get(i % kept.len().max(1)).map_or(i, |(index, _)| *index);
 
         let around = Bounds3::around(points.iter().copied());
         let extent = max_abs(around.size());
         // Relative to the first point, so that a polygon in x = 0.1 lies in x = 0.1 to the last bit.
-        let start = points[0];
+        let start = points.first().copied().unwrap_or_default();
         let local: Vec<DVec3> = points.iter().map(|p| (*p - start) / extent).collect();
         let area = newell(&local);
         if !(area.length() > 1e-12) {

@@ -137,6 +137,7 @@ pub(super) fn spans(a: f64, b: f64, c: f64) -> bool {
 
 /// The components in another order.
 #[inline(always)]
+#[allow(clippy::indexing_slicing, reason = "the order is one of 0, 1 and 2")]
 fn ordered([kx, ky, kz]: [usize; 3], v: &DVec3) -> [f64; 3] {
     let v: &[f64; 3] = v.as_ref();
     [v[kx], v[ky], v[kz]]

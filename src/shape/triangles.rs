@@ -3,6 +3,8 @@
 //! The same operations in the same order give the same bits; that they stand in loops over arrays lets the compiler
 //! take several rays at once.
 
+#![allow(clippy::indexing_slicing, reason = "lanes are counted by constants")]
+
 use super::triangle::{TriangleHit, TriangleRay, spans};
 use crate::math::{DVec3, Ray};
 

@@ -1,5 +1,10 @@
 //! Polygons cut into triangles, for the faces of meshes.
 
+#![allow(
+    clippy::indexing_slicing,
+    reason = "indices are those of corners, which are counted once and taken modulo their number"
+)]
+
 use super::planar::{flattened, newell, orient};
 use crate::math::{Bounds3, DVec2, DVec3, max_abs};
 

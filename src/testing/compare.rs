@@ -125,10 +125,18 @@ pub fn diff_picture(expected: &Image, actual: &Image) -> Image {
 /// The difference of two pixels; a missing one differs from any by 255.
 fn difference(a: Option<[u8; 3]>, b: Option<[u8; 3]>) -> [u8; 3] {
     match (a, b) {
-        (Some(a), Some(b)) => [0, 1, 2].map(|i: usize| a[i].abs_diff(b[i])),
+        (Some(a), Some(b)) => channels_apart(a, b),
         (None, None) => [0; 3],
         _ => [255; 3],
     }
+}
+
+/// How far each channel of two pixels is apart.
+pub(crate) fn channels_apart(mut a: [u8; 3], b: [u8; 3]) -> [u8; 3] {
+    for (a, b) in a.iter_mut().zip(b) {
+        *a = a.abs_diff(b);
+    }
+    a
 }
 
 /// A picture in 8 bits.

@@ -41,4 +41,6 @@ pub use taken::{Snapshotted, Taken};
 pub use tolerance::Tolerance;
 
 #[cfg(feature = "cli")]
+pub(crate) use compare::channels_apart;
+#[cfg(feature = "cli")]
 pub(crate) use files::{name_alone, read_scene};

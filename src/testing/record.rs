@@ -114,7 +114,8 @@ impl Snapshot {
     /// The number of the line that cannot be read, from 1, and what is wrong with it.
     pub fn parse(text: &str) -> Result<Self, (u32, String)> {
         let mut snapshot = Self::default();
-        let mut lines = text.lines().zip(1..);
+        // A line end may have been translated more than once.
+        let mut lines = text.lines().map(|line| line.trim_end_matches('\r')).zip(1..);
         match lines.next() {
             Some((HEAD, _)) => {}
             _ => return Err((1, format!("expected '{HEAD}'"))),
@@ -267,6 +268,7 @@ mod tests {
         assert_eq!(Snapshot::parse(&text), Ok(snapshot()), "{text}");
         let windows = text.replace('\n', "\r\n");
         assert_eq!(Snapshot::parse(&windows), Ok(snapshot()));
+        assert_eq!(Snapshot::parse(&windows.replace('\r', "\r\r")), Ok(snapshot()));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The command as a user meets it: every flag, exit code and message.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing)]
 
 mod course;
 mod diff;

@@ -3,11 +3,11 @@
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
+    clippy::indexing_slicing,
     clippy::panic,
     clippy::result_large_err,
     reason = "a test that fails panics, and nobody waits for its errors"
 )]
-
 mod bad_obj;
 mod convert;
 mod course;

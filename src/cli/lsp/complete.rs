@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use super::{
     documents::{Document, Documents},
     hover::{exported, module_of, name_of, of_entry, of_property, of_symbol},
+    wire::add,
 };
 use crate::{
     cli::help::forms::written,
@@ -133,7 +134,8 @@ pub(super) fn complete(
 pub(super) fn resolve(mut item: Value) -> Value {
     let name = item.pointer("/data/function").and_then(Value::as_str);
     if let Some(entry) = name.and_then(entry) {
-        item["documentation"] = json!({ "kind": "markdown", "value": of_entry(entry) });
+        let text = json!({ "kind": "markdown", "value": of_entry(entry) });
+        add(&mut item, "documentation", text);
     }
     item
 }
@@ -149,12 +151,13 @@ fn shown(document: &Document, item: &Item, replaced: &Range<usize>, with_places:
         "textEdit": { "range": document.span(replaced), "newText": new },
     });
     if !item.detail.is_empty() {
-        value["detail"] = json!(item.detail);
+        add(&mut value, "detail", json!(item.detail));
     }
     if !item.doc.is_empty() {
-        value["documentation"] = json!({ "kind": "markdown", "value": item.doc });
+        let text = json!({ "kind": "markdown", "value": item.doc });
+        add(&mut value, "documentation", text);
     } else if item.kind == FUNCTION && entry(&item.label).is_some() {
-        value["data"] = json!({ "function": item.label });
+        add(&mut value, "data", json!({ "function": item.label }));
     }
     value
 }

@@ -4,7 +4,7 @@ use std::{ops::Range, path::Path};
 
 use serde_json::{Value, json};
 
-use super::{check::Checked, documents::Document, text::word_at, uri};
+use super::{check::Checked, documents::Document, text::word_at, uri, wire};
 use crate::{
     diag::{Code, Diagnostic, Severity},
     script::analysis::is_word,
@@ -91,10 +91,10 @@ fn one(document: &Document, d: &Diagnostic) -> Published {
     });
     // What an editor shows faded.
     if d.code == Code::UnreachedLine {
-        shown["tags"] = json!([1]);
+        wire::add(&mut shown, "tags", json!([1]));
     }
     if !related.is_empty() {
-        shown["relatedInformation"] = Value::Array(related);
+        wire::add(&mut shown, "relatedInformation", Value::Array(related));
     }
     let instead = match elsewhere {
         None if document
@@ -177,9 +177,9 @@ pub(super) fn message(uri: &str, version: Option<i64>, all: &[Published]) -> Val
     let shown: Vec<&Value> = all.iter().map(|p| &p.shown).collect();
     let mut params = json!({ "uri": uri, "diagnostics": shown });
     if let Some(version) = version {
-        params["version"] = json!(version);
+        wire::add(&mut params, "version", json!(version));
     }
-    super::wire::notification("textDocument/publishDiagnostics", params)
+    wire::notification("textDocument/publishDiagnostics", params)
 }
 
 /// Quick fixes for what touches a range.

@@ -85,6 +85,13 @@ pub(super) fn write(to: &mut impl Write, message: &Value) -> io::Result<()> {
     to.flush()
 }
 
+/// Adds a member to an object.
+pub(super) fn add(object: &mut Value, name: &str, value: Value) {
+    if let Some(members) = object.as_object_mut() {
+        members.insert(name.to_owned(), value);
+    }
+}
+
 /// The answer to a request.
 pub(super) fn response(id: &Value, result: Result<Value, Failure>) -> Value {
     match result {

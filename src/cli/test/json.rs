@@ -38,9 +38,11 @@ fn of_case(case: &Case) -> Value {
             "hints": error.diagnostic.hints,
         }),
     };
-    value["name"] = json!(case.name);
-    value["seconds"] = json!(case.took.as_secs_f64());
-    value["accepted"] = json!(case.accepted);
+    if let Some(members) = value.as_object_mut() {
+        members.insert("name".to_owned(), json!(case.name));
+        members.insert("seconds".to_owned(), json!(case.took.as_secs_f64()));
+        members.insert("accepted".to_owned(), json!(case.accepted));
+    }
     value
 }
 

@@ -52,7 +52,8 @@ pub(super) fn draw(image: &Image, answer: &Answer<'_>) -> Image {
     let far = size.fold(1.0, f64::max);
     for ray in &answer.sample.rays {
         for light in ray.hit.iter().flat_map(|hit| &hit.lights) {
-            let most = MOST_SHADOW_RAYS[usize::from(ray.depth > 0)];
+            let [from_the_first, from_later] = MOST_SHADOW_RAYS;
+            let most = if ray.depth > 0 { from_later } else { from_the_first };
             let step = light.samples.len().div_ceil(most).max(1);
             for sample in light.samples.iter().step_by(step) {
                 canvas.shadow(ray, sample, far);
@@ -115,11 +116,12 @@ impl Canvas {
         let Some([a, b]) = clipped(a, b, size) else {
             return;
         };
-        let steps = (b[0] - a[0]).abs().max((b[1] - a[1]).abs()).ceil().max(1.0);
+        let ([ax, ay], [bx, by]) = (a, b);
+        let steps = (bx - ax).abs().max((by - ay).abs()).ceil().max(1.0);
         for i in 0..=steps as u32 {
             let share = f64::from(i) / steps;
-            let at = |k: usize| a[k] + (b[k] - a[k]) * share;
-            self.set(at(0) as u32, at(1) as u32, color, strength);
+            let (x, y) = (ax + (bx - ax) * share, ay + (by - ay) * share);
+            self.set(x as u32, y as u32, color, strength);
         }
     }
 
@@ -153,9 +155,9 @@ fn clipped(a: [f64; 2], b: [f64; 2], size: [f64; 2]) -> Option<[[f64; 2]; 2]> {
         return None;
     }
     let (mut from, mut to) = (0.0, 1.0);
-    for k in 0..2 {
-        let d = b[k] - a[k];
-        for (distance, run) in [(-a[k], -d), (a[k] - size[k], d)] {
+    for ((a, b), size) in a.into_iter().zip(b).zip(size) {
+        let d = b - a;
+        for (distance, run) in [(-a, -d), (a - size, d)] {
             // Outside where distance + share * run > 0.
             if run == 0.0 {
                 if distance > 0.0 {

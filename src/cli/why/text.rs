@@ -169,8 +169,7 @@ impl Text<'_> {
         for ray in rays.iter().take(MOST_RAYS) {
             self.ray(ray);
         }
-        if rays.len() > MOST_RAYS {
-            let rest = &rays[MOST_RAYS..];
+        if let Some(rest) = rays.get(MOST_RAYS..).filter(|rest| !rest.is_empty()) {
             let added = rest.iter().fold(Color::ZERO, |sum, ray| sum + ray.added);
             let line = format!(
                 "and {} rays more, adding {}; --json has them all",

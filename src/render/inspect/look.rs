@@ -7,7 +7,7 @@ use crate::{
     color::Color,
     diag::{Code, Diagnostic, Error},
     host::Host,
-    math::{Bounds3, DVec3, Ray},
+    math::{Bounds3, DVec2, DVec3, Ray},
     render::{
         by_rows,
         integrator::{self, Counts, Stack},
@@ -227,10 +227,10 @@ fn is_placed(world: &World<'_>, group: GroupId) -> bool {
     // A group comes before those that place it, but for the root, which is the first.
     let order = std::iter::once(0).chain((1..scene.groups.len()).rev());
     for i in order {
-        if i != ROOT_GROUP.index() && !reached[i] {
+        if i != ROOT_GROUP.index() && reached.get(i) != Some(&true) {
             continue;
         }
-        for object in &scene.groups[i].objects {
+        for object in scene.groups.get(i).into_iter().flat_map(|group| &group.objects) {
             if let Geometry::Instance(inner) = object.geometry
                 && let Some(inner) = reached.get_mut(inner.index())
             {
@@ -291,22 +291,20 @@ fn bounds(world: &World<'_>, object: &Object) -> Option<Bounds3> {
 fn rays_towards(world: &World<'_>, bounds: &Bounds3) -> Vec<Ray> {
     let s = &world.scene.settings;
     let frame = world.scene.camera.frame(s.width, s.height);
-    let size = [f64::from(s.width), f64::from(s.height)];
-    let mut from = [f64::INFINITY; 2];
-    let mut to = [f64::NEG_INFINITY; 2];
+    let size = DVec2::new(f64::from(s.width), f64::from(s.height));
+    let mut from = DVec2::INFINITY;
+    let mut to = DVec2::NEG_INFINITY;
     let corners: [DVec3; 8] = bounds.corners();
     for (i, a) in corners.iter().enumerate() {
-        for b in &corners[i..] {
+        for b in corners.iter().skip(i) {
             for end in frame.project(*a, *b).into_iter().flatten() {
-                for axis in 0..2 {
-                    from[axis] = from[axis].min(end[axis]);
-                    to[axis] = to[axis].max(end[axis]);
-                }
+                from = from.min(DVec2::from_array(end));
+                to = to.max(DVec2::from_array(end));
             }
         }
     }
-    let clip = |axis: usize| (from[axis].clamp(0.0, size[axis]), to[axis].clamp(0.0, size[axis]));
-    let ((x0, x1), (y0, y1)) = (clip(0), clip(1));
+    let (from, to) = (from.clamp(DVec2::ZERO, size), to.clamp(DVec2::ZERO, size));
+    let ([x0, y0], [x1, y1]) = (from.to_array(), to.to_array());
     let place = |i: u32, from: f64, to: f64| from + (to - from) * (f64::from(i) + 0.5) / f64::from(SEARCH);
     (0..SEARCH * SEARCH)
         .map(|i| frame.ray(place(i % SEARCH, x0, x1), place(i / SEARCH, y0, y1)))

@@ -1,5 +1,10 @@
 //! Light that arrives at a point: lights, shadows, the half-angle shading of each.
 
+#![allow(
+    clippy::indexing_slicing,
+    reason = "buffers of a fixed number of samples are filled and read up to the same count"
+)]
+
 mod area;
 
 use super::{

@@ -25,7 +25,12 @@ pub(super) fn heat(share: f64) -> Color {
         [1.0, 1.0, 1.0],
     ];
     let along = share.clamp(0.0, 1.0) * (STOPS.len() - 1) as f64;
-    let stop = |i: usize| Color::from_array(STOPS[i.min(STOPS.len() - 1)]);
+    let stop = |i: usize| {
+        STOPS
+            .get(i)
+            .or(STOPS.last())
+            .map_or(Color::ZERO, |stop| Color::from_array(*stop))
+    };
     let (from, rest) = (along as usize, along.fract());
     stop(from) * (1.0 - rest) + stop(from + 1) * rest
 }

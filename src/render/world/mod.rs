@@ -5,6 +5,11 @@
 //! leads to another level. Whatever is hit has a number that is unique over all instances, in the order the
 //! primitives stand in; the nearest hit is the one of least (t, number), whatever tree found it.
 
+#![allow(
+    clippy::indexing_slicing,
+    reason = "a world refers by number only to what its own compilation put there"
+)]
+
 mod compile;
 mod exact;
 mod kept;

@@ -106,10 +106,10 @@ impl Builder {
 
     fn place(&mut self, id: GroupId) -> Result<(), SceneError> {
         self.require_invertible("an", "instance")?;
-        for i in 0..self.scene.groups[id.index()].lights.len() {
-            let light = &self.scene.groups[id.index()].lights[i];
-            let (kind, color) = (light.kind.clone(), light.color);
-            self.push_light(kind, color)?;
+        let group = self.scene.groups.get(id.index());
+        let lights = group.map(|group| group.lights.clone()).unwrap_or_default();
+        for light in lights {
+            self.push_light(light.kind, light.color)?;
         }
         self.add(Geometry::Instance(id), 1)
     }

@@ -139,23 +139,22 @@ impl Builder {
     /// A copy of the scene as it stands; the builder goes on.
     #[must_use]
     pub fn snapshot(&mut self) -> Scene {
-        let root = ROOT_GROUP.index();
-        std::mem::swap(&mut self.scene.groups[root], &mut self.group);
+        swap_root(&mut self.scene, &mut self.group);
         let scene = self.scene.clone();
-        std::mem::swap(&mut self.scene.groups[root], &mut self.group);
+        swap_root(&mut self.scene, &mut self.group);
         scene
     }
 
     /// As [`Builder::snapshot`], without a copy: the scene itself, until [`Builder::take_back`].
     pub(crate) fn lend(&mut self) -> Scene {
         let mut scene = std::mem::replace(&mut self.scene, empty());
-        std::mem::swap(&mut scene.groups[ROOT_GROUP.index()], &mut self.group);
+        swap_root(&mut scene, &mut self.group);
         scene
     }
 
     /// Goes on with the scene that was lent.
     pub(crate) fn take_back(&mut self, mut scene: Scene) {
-        std::mem::swap(&mut scene.groups[ROOT_GROUP.index()], &mut self.group);
+        swap_root(&mut scene, &mut self.group);
         self.scene = scene;
     }
 
@@ -181,7 +180,7 @@ impl Builder {
     #[must_use]
     pub fn finish(mut self) -> Report<Scene> {
         self.warn_unpopped(0);
-        self.scene.groups[ROOT_GROUP.index()] = self.group;
+        swap_root(&mut self.scene, &mut self.group);
         let mut warnings = self.warnings;
         warnings.extend(super::validate::warnings(&self.scene));
         Report {
@@ -242,6 +241,13 @@ impl Builder {
             loc: self.loc,
         });
         Ok(())
+    }
+}
+
+/// Exchanges the root of a scene and a group that is being filled.
+fn swap_root(scene: &mut Scene, group: &mut Group) {
+    if let Some(root) = scene.groups.get_mut(ROOT_GROUP.index()) {
+        std::mem::swap(root, group);
     }
 }
 

@@ -116,11 +116,9 @@ impl Builder {
 
 /// The matrix of 16 numbers row by row.
 fn affine(rows: &[f64; 16]) -> Result<DAffine3, SceneError> {
-    if let Some(i) = rows.iter().position(|x| !x.is_finite()) {
-        return Err(SceneError::new(format!(
-            "matrix[{i}] must be a finite number, not {}",
-            rows[i]
-        )));
+    if let Some((i, x)) = rows.iter().enumerate().find(|(_, x)| !x.is_finite()) {
+        let message = format!("matrix[{i}] must be a finite number, not {x}");
+        return Err(SceneError::new(message));
     }
     let [a, b, c, x, d, e, f, y, g, h, i, z, last @ ..] = *rows;
     if last != [0.0, 0.0, 0.0, 1.0] {

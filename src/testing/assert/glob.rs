@@ -1,6 +1,7 @@
 //! Files by a pattern.
 
 use std::{
+    collections::BTreeSet,
     fs, io,
     path::{Path, PathBuf},
 };
@@ -56,31 +57,30 @@ fn walk(folder: &Path, pattern: &[&str], found: &mut Vec<PathBuf>) -> io::Result
 
 /// Whether `name` is what `pattern` describes: `*` stands for any letters, `?` for one.
 fn matches(pattern: &str, name: &str) -> bool {
-    let (pattern, name): (Vec<char>, Vec<char>) = (pattern.chars().collect(), name.chars().collect());
-    // Letters of the pattern that may have been used up after each letter of the name.
-    let mut reached = vec![false; pattern.len() + 1];
-    let skip_stars = |reached: &mut Vec<bool>| {
-        for (i, c) in pattern.iter().enumerate() {
-            if *c == '*' && reached[i] {
-                reached[i + 1] = true;
+    let pattern: Vec<char> = pattern.chars().collect();
+    // How many letters of the pattern may have been used up after each letter of the name.
+    let mut reached = BTreeSet::from([0]);
+    let skip_stars = |reached: &mut BTreeSet<usize>| {
+        for (i, _) in pattern.iter().enumerate().filter(|(_, c)| **c == '*') {
+            if reached.contains(&i) {
+                reached.insert(i + 1);
             }
         }
     };
-    reached[0] = true;
     skip_stars(&mut reached);
-    for letter in name {
-        let mut next = vec![false; pattern.len() + 1];
-        for (i, c) in pattern.iter().enumerate().filter(|(i, _)| reached[*i]) {
-            match c {
-                '*' => next[i] = true,
-                '?' => next[i + 1] = true,
-                c => next[i + 1] |= *c == letter,
+    for letter in name.chars() {
+        let mut next = BTreeSet::new();
+        for i in reached {
+            match pattern.get(i) {
+                Some('*') => _ = next.insert(i),
+                Some(c) if *c == '?' || *c == letter => _ = next.insert(i + 1),
+                _ => {}
             }
         }
         skip_stars(&mut next);
         reached = next;
     }
-    reached[pattern.len()]
+    reached.contains(&pattern.len())
 }
 
 #[cfg(test)]

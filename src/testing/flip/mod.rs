@@ -7,6 +7,11 @@
 //! The filters are applied as products of a filter across and one down, which they are, in f64 and in a fixed
 //! order; powers and roots come from [`crate::math`]. So the map has the same bits on every machine.
 
+#![allow(
+    clippy::indexing_slicing,
+    reason = "both pictures are known to be of one size, and the window lies within it"
+)]
+
 mod eye;
 mod magma;
 

@@ -25,24 +25,6 @@ pub(super) fn escape(text: &str) -> String {
     escaped
 }
 
-/// Base64 with the alphabet of RFC 4648, section 4, padded.
-pub(super) fn base64(bytes: &[u8]) -> String {
-    const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for chunk in bytes.chunks(3) {
-        let byte = |i: usize| u32::from(chunk.get(i).copied().unwrap_or(0));
-        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
-        for i in 0..4 {
-            text.push(if i <= chunk.len() {
-                char::from(ALPHABET[(bits >> (18 - 6 * i)) as usize & 63])
-            } else {
-                '='
-            });
-        }
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -56,14 +38,5 @@ mod tests {
         assert_eq!(escape("a\tb\nc é 日本"), "a\tb\nc é 日本");
         assert_eq!(escape("\0\r\u{1b}[31m\x7f"), "␀␍␛[31m␡");
         assert_eq!(escape("\u{85}\u{202e}\u{2069}"), "\u{fffd}".repeat(3));
-    }
-
-    #[test]
-    fn base64_is_that_of_the_rfc() {
-        let vectors = ["", "Zg==", "Zm8=", "Zm9v", "Zm9vYg==", "Zm9vYmE=", "Zm9vYmFy"];
-        for (length, expected) in vectors.into_iter().enumerate() {
-            assert_eq!(base64(&b"foobar"[..length]), expected);
-        }
-        assert_eq!(base64(&[0xfb, 0xff, 0xbf]), "+/+/");
     }
 }

@@ -1,10 +1,10 @@
 //! Pictures within the page.
 
-use super::escape::base64;
 use crate::{
+    cli::picture::base64,
     output::{Format, encode},
     render::Image,
-    testing::{Region, flip, from_rgb8},
+    testing::{Region, channels_apart, flip, from_rgb8},
 };
 
 /// A picture as an element of the page. `None` for one without pixels or too large for its format.
@@ -38,7 +38,7 @@ pub(super) fn difference(expected: &Image, actual: &Image) -> (Image, f64) {
     let mut bytes: Vec<u8> = Vec::with_capacity(width as usize * height as usize * 3);
     for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
         bytes.extend(match (at(&e, expected, x, y), at(&a, actual, x, y)) {
-            (Some(e), Some(a)) => [0, 1, 2].map(|i: usize| e[i].abs_diff(a[i])),
+            (Some(e), Some(a)) => channels_apart(e, a),
             (None, None) => [0; 3],
             _ => [255; 3],
         });
