@@ -48,7 +48,10 @@ impl Context<'_> {
                 "the place is at or past line {LAST_LINE}; lines are not counted any further"
             ));
         }
-        d.at(file, line, pos.position().unwrap_or(0) as u32)
+        // Behind a text between backticks that has no end, columns go on past the end of the line.
+        let end = text.split('\n').nth((line as usize).saturating_sub(1));
+        let end = end.map_or(u32::MAX, |text| text.chars().count() as u32 + 1);
+        d.at(file, line, end.min(pos.position().unwrap_or(0) as u32))
             .with_source(text)
     }
 }
