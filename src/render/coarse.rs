@@ -2,6 +2,7 @@
 
 use super::{RenderOptions, tiles, world::World};
 use crate::{
+    diag::Diagnostic,
     host::{Host, HostError},
     scene::Settings,
 };
@@ -13,13 +14,21 @@ const LEAST: u32 = 16;
 /// A picture with fewer samples is not much dearer than every second pixel of it.
 const SAMPLES: u32 = 4;
 
-/// Traces coarse pictures with one sample a pixel and hands them to the host. `None` where it asked to stop.
-pub(super) fn show(world: &World<'_>, options: &RenderOptions, host: &dyn Host) -> Option<()> {
+/// Traces coarse pictures with one sample a pixel and hands them to the host.
+///
+/// # Errors
+/// Where the host asked to stop or the render takes too long.
+pub(super) fn show(world: &World<'_>, options: &RenderOptions, host: &dyn Host) -> Result<(), Diagnostic> {
+    // Their rays are not counted: with them and without, the picture is the same, and so is whether there is one.
+    let options = &RenderOptions {
+        rays: None,
+        ..options.clone()
+    };
     for settings in settings(&world.scene.settings) {
         let (image, _) = tiles::trace(world, &settings, options, &Unannounced(host))?;
         host.coarse(&image);
     }
-    Some(())
+    Ok(())
 }
 
 /// Those of the coarse pictures that are worth it.

@@ -1,10 +1,12 @@
-//! The host's wish to stop, asked often enough that no scene makes it wait: a single pixel can take minutes, with
-//! thousands of samples, with a tree of 2^64 rays between mirrors of glass, or with lights of 65,536 points.
+//! What ends a render early, looked at often enough that no scene makes anybody wait: a single pixel can take minutes,
+//! with thousands of samples, with a tree of 2^64 rays between mirrors of glass, or with lights of 65,536 points.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
 
+use super::{RenderOptions, Stopwatch};
 use crate::{
-    diag::{Diagnostic, Error, ErrorKind},
+    diag::{Diagnostic, ErrorKind},
     host::Host,
 };
 
@@ -12,34 +14,83 @@ use crate::{
 pub(super) struct Interrupt<'h> {
     host: &'h dyn Host,
     stopped: AtomicBool,
+    clock: Stopwatch,
+    /// Time in all, and what of it is left.
+    time: Option<(Duration, Duration)>,
+    too_long: AtomicBool,
+    /// Rays in all, and how many of them are left.
+    most_rays: Option<(u64, u64)>,
+    rays: AtomicU64,
 }
 
 impl<'h> Interrupt<'h> {
+    /// The host's wish to stop alone.
     pub(super) fn new(host: &'h dyn Host) -> Self {
+        Self::within(&RenderOptions::default(), host)
+    }
+
+    /// The host's wish, and the limits of a render that begins now.
+    pub(super) fn within(options: &RenderOptions, host: &'h dyn Host) -> Self {
+        let spent = options.spent;
         Self {
             host,
             stopped: AtomicBool::new(false),
+            clock: Stopwatch::start(),
+            time: options
+                .render_time
+                .map(|most| (most, most.saturating_sub(spent.time))),
+            too_long: AtomicBool::new(false),
+            most_rays: options.rays.map(|most| (most, most.saturating_sub(spent.rays))),
+            rays: AtomicU64::new(0),
         }
     }
 
-    /// True once the host has asked to stop; what is being computed is then dropped, so any value does.
+    /// True once the render is to stop; what is being computed is then dropped, so any value does.
     pub(super) fn poll(&self) -> bool {
         if self.is_stopped() {
             return true;
         }
         if self.host.should_stop() {
             self.stopped.store(true, Ordering::Relaxed);
+        } else if self.time.is_some_and(|(_, left)| self.clock.elapsed() > left) {
+            self.too_long.store(true, Ordering::Relaxed);
+            self.stopped.store(true, Ordering::Relaxed);
         }
         self.is_stopped()
+    }
+
+    /// Counts rays of the picture. Past the limit the render stops, which it would at the latest with the last tile:
+    /// whether it does depends on the picture alone, not on the order of tiles.
+    pub(super) fn count(&self, rays: u64) {
+        if let Some((_, left)) = self.most_rays
+            && self.rays.fetch_add(rays, Ordering::Relaxed).saturating_add(rays) > left
+        {
+            self.stopped.store(true, Ordering::Relaxed);
+        }
     }
 
     /// True where a [`Interrupt::poll`] was: the picture is not whole.
     pub(super) fn is_stopped(&self) -> bool {
         self.stopped.load(Ordering::Relaxed)
     }
-}
 
-/// What comes of a render that the host stopped.
-pub(super) fn cancelled() -> Error {
-    Diagnostic::error(ErrorKind::Cancelled, "the render was stopped").into()
+    /// Why the picture is not whole.
+    pub(super) fn reason(&self) -> Diagnostic {
+        // Where there are too many rays, there always are, so this comes first.
+        if let Some((most, left)) = self.most_rays
+            && self.rays.load(Ordering::Relaxed) > left
+        {
+            let message = format!("the picture takes too many rays: the limit 'rays' is {most}");
+            return Diagnostic::error(ErrorKind::Limit, message)
+                .hint("fewer samples, fewer bounces or a smaller picture take fewer");
+        }
+        if let Some((most, _)) = self.time
+            && self.too_long.load(Ordering::Relaxed)
+        {
+            let message = format!("the render takes too long: the limit 'render_time' is {most:?}");
+            return Diagnostic::error(ErrorKind::Limit, message)
+                .hint("fewer samples, fewer bounces or a smaller picture take less");
+        }
+        Diagnostic::error(ErrorKind::Cancelled, "the render was stopped")
+    }
 }

@@ -22,15 +22,16 @@ use std::time::Duration;
 
 use rayon::prelude::*;
 
-use interrupt::{Interrupt, cancelled};
+use interrupt::Interrupt;
 
 use crate::{
     diag::{Code, Diagnostic, Error, ErrorKind, Report},
     host::Host,
+    limits::Limits,
     scene::Scene,
 };
 
-/// How to render, never what: no option changes a pixel.
+/// How to render, never what: no option changes a pixel. A limit that is passed ends the render with an error.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct RenderOptions {
@@ -50,6 +51,47 @@ pub struct RenderOptions {
     /// Acceleration structures kept from one render to the next, for renders of nearly the same scene; the picture is
     /// the same with and without.
     pub trees: Option<KeptTrees>,
+    /// Time that tracing may take; `None` is any. Looked at some thousand times a second. Without a clock
+    /// (wasm32-unknown-unknown) time stands still.
+    pub render_time: Option<Duration>,
+    /// Rays of every kind that the picture may take, [`RenderStats::rays`]; `None` is any number. Whether a picture
+    /// stays within it depends on the scene alone.
+    pub rays: Option<u64>,
+    /// What earlier pictures of the same run took of both.
+    pub(crate) spent: Spent,
+}
+
+impl RenderOptions {
+    /// The same options with the limits on renders: `render_time` and `rays`.
+    ///
+    /// ```
+    /// use rtscript::{Limits, RenderOptions};
+    /// let options = RenderOptions::default().within(&Limits::untrusted());
+    /// assert_eq!(options.rays, Some(200_000_000));
+    /// ```
+    #[must_use]
+    pub fn within(mut self, limits: &Limits) -> Self {
+        self.render_time = limits.render_time;
+        self.rays = limits.rays;
+        self
+    }
+}
+
+/// What the pictures of a run took so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Spent {
+    /// Time to trace them.
+    pub(crate) time: Duration,
+    /// Rays.
+    pub(crate) rays: u64,
+}
+
+impl Spent {
+    /// Adds what a picture took.
+    pub(crate) fn add(&mut self, stats: &RenderStats) {
+        self.time = self.time.saturating_add(stats.trace);
+        self.rays = self.rays.saturating_add(stats.rays());
+    }
 }
 
 /// How far a render is.
@@ -122,7 +164,8 @@ pub struct Rendered {
 /// Renders a scene. The picture depends on the scene alone: not on threads, machine or build.
 ///
 /// # Errors
-/// `Cancelled` where the host asks to stop, `Limit` where instancing multiplies past 2^62 primitives.
+/// `Cancelled` where the host asks to stop, `Limit` where a limit of `options` is passed or instancing multiplies past
+/// 2^62 primitives.
 pub fn render(scene: &Scene, options: &RenderOptions, host: &dyn Host) -> Result<Report<Rendered>, Error> {
     on_threads(options.threads, || render_here(scene, options, host))
 }
@@ -161,7 +204,7 @@ fn by_rows<T: Send>(
         })
         .collect();
     if interrupt.is_stopped() {
-        return Err(cancelled());
+        return Err(interrupt.reason().into());
     }
     Ok(rows.into_iter().flatten().collect())
 }
@@ -175,20 +218,19 @@ fn render_here(scene: &Scene, options: &RenderOptions, host: &dyn Host) -> Resul
     let mut warnings = inspect::before(&world);
     warnings.iter().for_each(|warning| host.warn(warning));
     let tracing = Stopwatch::start();
-    let traced = match options.coarse && coarse::show(&world, options, host).is_none() {
-        true => None,
-        false => tiles::trace(&world, &scene.settings, options, host),
+    let coarse = match options.coarse {
+        true => coarse::show(&world, options, host),
+        false => Ok(()),
     };
+    let traced = coarse.and_then(|()| tiles::trace(&world, &scene.settings, options, host));
     let (primitives, world_bytes) = (world.primitives(), world.bytes());
-    if let Some((image, _)) = &traced {
+    if let Ok((image, _)) = &traced {
         warnings.extend(inspect::after(&world, image, &warnings));
     }
     if let Some(trees) = &options.trees {
         trees.take_back(world);
     }
-    let Some((image, counts)) = traced else {
-        return Err(cancelled());
-    };
+    let (image, counts) = traced?;
     let stats = RenderStats {
         camera_rays: counts.camera,
         shadow_rays: counts.shadow,

@@ -25,6 +25,7 @@ use super::{
 };
 use crate::{
     color::Color,
+    diag::{Diagnostic, ErrorKind},
     host::Host,
     scene::{CameraFrame, Settings},
 };
@@ -35,16 +36,19 @@ const TILE: u32 = 16;
 const MOST_TILE: u32 = 1024;
 
 /// Traces every pixel of a picture of this size and with so many samples, whatever the scene's own settings say of
-/// those. `None` where the host asked to stop.
+/// those.
+///
+/// # Errors
+/// Where the host asked to stop or a limit of `options` is passed.
 pub(super) fn trace(
     world: &World<'_>,
     s: &Settings,
     options: &RenderOptions,
     host: &dyn Host,
-) -> Option<(Image, Counts)> {
+) -> Result<(Image, Counts), Diagnostic> {
     let total = u64::from(s.width) * u64::from(s.height);
     let frame = world.scene.camera.frame(s.width, s.height);
-    let interrupt = Interrupt::new(host);
+    let interrupt = Interrupt::within(options, host);
     let progress = Mutex::new(Progress {
         done: 0,
         total,
@@ -76,6 +80,7 @@ pub(super) fn trace(
                 if interrupt.poll() {
                     break 'tiles;
                 }
+                let counted = own.total();
                 Square {
                     world,
                     settings: s,
@@ -88,6 +93,7 @@ pub(super) fn trace(
                     let (x, y) = (square.left + i % square.columns, square.top + i / square.columns);
                     tile[(y * columns + x) as usize] = mean.to_array();
                 });
+                interrupt.count(own.total() - counted);
             }
             if let Some(seed) = options.shuffle {
                 give_way(!seed, (column, row));
@@ -118,10 +124,12 @@ pub(super) fn trace(
         }
     });
     if interrupt.is_stopped() {
-        return None;
+        return Err(interrupt.reason());
     }
-    let (pixels, counts) = finished.into_inner().ok()?;
-    Some((Image::new(s.width, s.height, s.encoding, pixels), counts))
+    let (pixels, counts) = finished
+        .into_inner()
+        .map_err(|_| Diagnostic::error(ErrorKind::Internal, "a thread of the render failed"))?;
+    Ok((Image::new(s.width, s.height, s.encoding, pixels), counts))
 }
 
 /// Columns and rows of all tiles in rings around the middle, where a picture has its subject; along a ring from

@@ -5,7 +5,7 @@ use std::{borrow::Cow, collections::HashMap};
 use rayon::prelude::*;
 
 use super::{
-    super::interrupt::{self, Interrupt},
+    super::interrupt::Interrupt,
     World,
     kept::{KeptTrees, Key},
     level::{Instance, Level, PlacedShape, PlacedSphere, Primitive, TriangleRun, TriangleSource},
@@ -146,7 +146,7 @@ impl<'s> Compiler<'s, '_> {
 
     fn go_on(&self) -> Result<(), Error> {
         match self.interrupt.poll() {
-            true => Err(interrupt::cancelled()),
+            true => Err(self.interrupt.reason().into()),
             false => Ok(()),
         }
     }
