@@ -45,6 +45,7 @@ pub mod host;
 pub mod import;
 pub mod limits;
 pub mod math;
+pub mod meter;
 pub mod output;
 pub mod parameters;
 pub mod recipe;

@@ -27,7 +27,8 @@ pub struct Limits {
     pub rays: Option<u64>,
     /// Pictures that a script renders itself. Default: 100,000.
     pub pictures: usize,
-    /// Whether there are closures, `|x| x + 1`. Default: true. Functions by name, `list.map(f)`, always are.
+    /// Whether there are closures, `|x| x + 1`. Default: true. Functions by name,
+    /// `list.map(Fn("f"))`, always are.
     pub closures: bool,
     /// Script functions calling one another. Default: 64, also the most where a script has no stack of its own
     /// (wasm32-unknown-unknown).

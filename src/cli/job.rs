@@ -106,7 +106,10 @@ impl Job {
         reporter: Reporter,
     ) -> Result<(), Error> {
         let start = Instant::now();
-        let limits = Limits::default();
+        let limits = match args.untrusted {
+            true => Limits::untrusted(),
+            false => Limits::default(),
+        };
         let own: Vec<PathBuf> = self.input.path().map(Path::to_owned).into_iter().collect();
         if !matches!(self.target, Target::Default(_)) {
             self.target.check(&own).map_err(without_place)?;
@@ -129,6 +132,7 @@ impl Job {
             (reporter, &text),
         );
         let mut options = RunOptions::from(&parameters);
+        options.render = options.render.within(&limits);
         options.render.threads = args.threads.count();
         let running = Instant::now();
         let run = source::load(self.input.name(), &text, &host, &limits, &options)

@@ -100,7 +100,7 @@ impl<'a> Assets<'a> {
     /// The bytes of a file, not kept.
     ///
     /// # Errors
-    /// Whatever the host answers, and past the limits `files` and `file_bytes`. The error has no place: the
+    /// Whatever the host answers, and past the limits `files`, `file_bytes` and `total_file_bytes`. The error has no place: the
     /// caller knows who named the file.
     pub fn read(&mut self, path: &str) -> Result<Vec<u8>, Diagnostic> {
         if path.len() > LONGEST_PATH {
@@ -126,8 +126,20 @@ impl<'a> Assets<'a> {
         let bytes = self
             .host
             .read(path, self.limits.file_bytes)
-            .map_err(|error| error.diagnostic())?;
+            .map_err(|error| match error.kind {
+                // The host knows how many bytes are too many, and the caller which limit that is.
+                ErrorKind::Limit => {
+                    let what = format!("'{path}' is too large");
+                    SceneError::limit(&what, "file_bytes", self.limits.file_bytes).into()
+                }
+                _ => error.diagnostic(),
+            })?;
         self.cache.bytes = self.cache.bytes.saturating_add(bytes.len() as u64);
+        if self.cache.bytes > self.limits.total_file_bytes {
+            let what = format!("'{path}' is too much, with all files read before it");
+            let limit = self.limits.total_file_bytes;
+            return Err(SceneError::limit(&what, "total_file_bytes", limit).into());
+        }
         Ok(bytes)
     }
 

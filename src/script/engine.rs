@@ -9,8 +9,8 @@ use std::{
 };
 
 use rhai::{
-    AST, Dynamic, Engine, EvalAltResult, EvalContext, Expression, FuncRegistration, LexError, Module,
-    NativeCallContext, OptimizationLevel, ParseError, Position, RhaiFunc, Scope, Token,
+    AST, ASTNode, Dynamic, Engine, EvalAltResult, EvalContext, Expression, FuncRegistration, LexError,
+    Module, NativeCallContext, OptimizationLevel, ParseError, Position, RhaiFunc, Scope, Stmt, Token,
     packages::{
         ArithmeticPackage, BasicArrayPackage, BasicBlobPackage, BasicIteratorPackage, BasicMapPackage,
         BasicStringPackage, BitFieldPackage, LogicPackage, MoreStringPackage, Package,
@@ -20,6 +20,7 @@ use rhai::{
 use super::{
     api,
     call::{Call, wrong_count},
+    cells,
     language::Language,
     modules::Resolver,
     power,
@@ -55,6 +56,12 @@ static MODULES: LazyLock<Vec<Arc<Module>>> = LazyLock::new(|| {
         Arc::new(scene_module()),
     ]
 });
+
+/// What scripts see.
+#[cfg(test)]
+pub(super) fn modules() -> &'static [Arc<Module>] {
+    &MODULES
+}
 
 /// All functions of the table, with what belongs to our types.
 fn scene_module() -> Module {
@@ -162,14 +169,24 @@ fn invoke(entry: &'static Entry, ctx: &NativeCallContext<'_>, args: &mut [&mut D
     let mut call = Call::new(entry, args);
     let result = match entry.run {
         Run::Pure(run) => run(&mut call),
-        Run::Scene(run) => with_state(|state| {
-            state.called(ctx.global_runtime_state().source.as_ref(), ctx.call_position())?;
-            run(&mut call, state)
-        })
+        Run::Scene(run) => session::for_the_scene(
+            || {
+                with_state(|state| {
+                    state.called(ctx.global_runtime_state().source.as_ref(), ctx.call_position())?;
+                    run(&mut call, state)
+                })
+            },
+            |result| matches!(result, Some(Ok(value)) if !is_data(value)),
+        )
         .unwrap_or_else(|| Err(internal("a scene function outside a run"))),
         Run::Syntax => Err(internal("a block called as a function")),
     };
     result.map_err(|e| e.raise_in(ctx.call_source(), ctx.call_position()))
+}
+
+/// Whether a value is as large as the script likes.
+fn is_data(value: &Dynamic) -> bool {
+    value.is_array() || value.is_map() || value.is_string() || value.is_blob() || value.is_fnptr()
 }
 
 #[cold]
@@ -200,7 +217,9 @@ pub(super) fn compiler(limits: &Limits, language: &Language) -> Result<Engine, B
         .set_max_map_size(limits.map_len)
         .set_max_variables(limits.variables)
         .set_max_functions(limits.functions)
-        .set_max_modules(limits.files);
+        // Counted by `modules::Resolver`, which can say so.
+        .set_max_modules(usize::MAX)
+        .set_allow_anonymous_fn(limits.closures);
     // `eval` can hide anything from the reader, and `curry` builds chains that no limit counts.
     engine.disable_symbol("eval").disable_symbol("curry");
     blocks(&mut engine).map_err(|e| internal(&e))?;
@@ -214,7 +233,7 @@ pub(super) fn compiler(limits: &Limits, language: &Language) -> Result<Engine, B
 fn read_tokens(engine: &mut Engine, limits: &Limits) {
     let chains = power::Chains::default();
     let clock = Clock::start();
-    let limit = limits.script_time;
+    let limit = limits.compile_time;
     let count = AtomicU64::new(0);
     #[allow(
         deprecated,
@@ -223,7 +242,7 @@ fn read_tokens(engine: &mut Engine, limits: &Limits) {
     engine.on_parse_token(move |token, _, _| {
         if count.fetch_add(1, Ordering::Relaxed) % 256 == 255 && clock.elapsed() > limit {
             return Token::LexError(Box::new(LexError::Runtime(format!(
-                "reading the script takes too long: the limit 'script_time' is {limit:?}"
+                "reading the script takes too long: the limit 'compile_time' is {limit:?}"
             ))));
         }
         chains.map(token)
@@ -244,9 +263,27 @@ pub(super) fn compile(
     Ok(engine.compile_with_scope(&scope, source))
 }
 
-/// An engine that runs scripts on the session of the current thread.
-pub(super) fn runner(limits: &Limits, language: &Language) -> Result<Engine, Box<ScriptError>> {
+/// Whether variables may come to be shared by closures: those of the script itself, or of files that it imports.
+pub(super) fn may_share(ast: &AST) -> bool {
+    // A walk that is stopped says no.
+    !ast.walk(&mut |path| {
+        !matches!(
+            path.last(),
+            Some(ASTNode::Stmt(Stmt::Share(..) | Stmt::Import(..)))
+        )
+    })
+}
+
+/// An engine that runs this script on the session of the current thread.
+pub(super) fn runner(limits: &Limits, language: &Language, ast: &AST) -> Result<Engine, Box<ScriptError>> {
     let mut engine = compiler(limits, language)?;
+    if may_share(ast) {
+        #[allow(
+            deprecated,
+            reason = "marked so by Rhai because it may change; the version is pinned"
+        )]
+        engine.on_var(cells::on_variable);
+    }
     engine.set_module_resolver(Resolver);
     engine.on_progress(session::watch(limits));
     engine.on_print(session::print);

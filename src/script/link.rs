@@ -17,7 +17,7 @@ use scoped_tls_hkt::scoped_thread_local;
 use crate::{
     diag::{Error, ErrorKind, Report},
     host::{Host, HostError},
-    render::{Image, RenderOptions, Rendered, render},
+    render::{Image, RenderOptions, Rendered, Spent, render},
     scene::Scene,
 };
 
@@ -26,6 +26,14 @@ const POLL: Duration = Duration::from_millis(10);
 
 /// What rendering gives.
 pub(crate) type RenderResult = Result<Report<Rendered>, Error>;
+
+/// What a script's render may take, and what those before took of it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RenderLimits {
+    pub(crate) time: Option<Duration>,
+    pub(crate) rays: Option<u64>,
+    pub(crate) spent: Spent,
+}
 
 /// One thing asked of the caller.
 pub(super) enum Request {
@@ -37,6 +45,7 @@ pub(super) enum Request {
     Print(String),
     Render {
         scene: Box<Scene>,
+        limits: RenderLimits,
         reply: SyncSender<(Box<Scene>, RenderResult)>,
     },
     Write {
@@ -83,9 +92,9 @@ impl Remote {
     }
 
     /// Lets the caller render, and gives the scene back.
-    pub(crate) fn render(&self, scene: Scene) -> Option<(Scene, RenderResult)> {
+    pub(crate) fn render(&self, scene: Scene, limits: RenderLimits) -> Option<(Scene, RenderResult)> {
         let scene = Box::new(scene);
-        let (scene, result) = self.ask(|reply| Request::Render { scene, reply })?;
+        let (scene, result) = self.ask(|reply| Request::Render { scene, limits, reply })?;
         Some((*scene, result))
     }
 
@@ -171,8 +180,13 @@ impl Caller<'_> {
                 reply,
             } => drop(reply.send(self.host.read(&path, max_bytes))),
             Request::Print(text) => self.host.print(&text),
-            Request::Render { scene, reply } => {
-                let result = render(&scene, self.render, self.host);
+            Request::Render { scene, limits, reply } => {
+                // The caller's own limits count too, and the stricter one of each.
+                let mut options = self.render.clone();
+                options.render_time = options.render_time.into_iter().chain(limits.time).min();
+                options.rays = options.rays.into_iter().chain(limits.rays).min();
+                options.spent = limits.spent;
+                let result = render(&scene, &options, self.host);
                 drop(reply.send((scene, result)));
             }
             Request::Write { name, image, reply } => {

@@ -8,6 +8,7 @@
 pub(crate) mod analysis;
 mod api;
 mod call;
+mod cells;
 mod engine;
 mod errors;
 mod kinds;
@@ -23,6 +24,8 @@ mod run;
 mod session;
 mod table;
 mod value;
+#[cfg(test)]
+mod visible_tests;
 mod vocabulary;
 
 pub use language::{Language, build};
@@ -70,6 +73,9 @@ pub struct Script {
 impl Script {
     /// Reads a script. `name` is the file as its reader knows it, for messages; the files that the script
     /// names are looked up relative to the host's root.
+    ///
+    /// The first script of a process sets the seed of Rhai's hashes (`rhai::config::hashing`), unless the program has:
+    /// nothing that can be seen depends on which it is.
     ///
     /// # Errors
     /// `Script` where it is malformed, with line and column; `Limit` where it is too large.
@@ -246,8 +252,9 @@ impl Script {
             let what = "a script runs on this thread already, and without threads there is one at a time";
             Error::from(Diagnostic::error(ErrorKind::Denied, what).at(self.name(), 0, 0))
         })?;
-        let engine =
-            engine::runner(&self.limits, &self.language).map_err(|e| internal(self.name(), &e.message))?;
+        let _held = cells::Held::new();
+        let engine = engine::runner(&self.limits, &self.language, &self.ast)
+            .map_err(|e| internal(self.name(), &e.message))?;
         let mut scope = Scope::new();
         let result = engine.run_ast_with_scope(&mut scope, &self.ast);
         // Values of the script go before its thread does: only here is the stack deep enough for any of them.

@@ -8,7 +8,7 @@ use rhai::{
 
 use super::{
     engine, normal,
-    session::{Source, State, with_state},
+    session::{Source, State, limit, with_state},
     value::{Outcome, ScriptError},
 };
 use crate::{
@@ -68,9 +68,15 @@ impl Resolver {
                 format!("imports are nested too deep: the limit is {DEPTH}"),
             ));
         }
+        if state.modules.len() + state.loading.len() >= state.limits.modules {
+            return Err(limit(
+                "too many files are imported",
+                "modules",
+                state.limits.modules,
+            ));
+        }
         let name = resolve(main, &host_path);
-        let most = state.limits.source_bytes as u64;
-        let bytes = state.read(&host_path, most)?;
+        let bytes = state.read_script(&host_path)?;
         let text = String::from_utf8(bytes).map_err(|e| {
             ScriptError::of_kind(
                 ErrorKind::Input,

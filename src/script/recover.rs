@@ -3,7 +3,12 @@
 
 use rhai::{ParseError, ParseErrorType, Position};
 
-use super::{engine, errors, language::Language, names, session::Source};
+use super::{
+    engine, errors,
+    language::Language,
+    names,
+    session::{Clock, Source},
+};
 use crate::{
     diag::{Code, Diagnostic},
     limits::Limits,
@@ -30,10 +35,16 @@ pub(super) fn further_errors(
     let mut text = source.text.to_string();
     let mut found = Vec::new();
     let mut position = first.1;
+    // All of it takes no longer than the first reading may.
+    let clock = Clock::start();
     while found.len() + 1 < MOST {
         let Some(at) = offset(&text, position) else { break };
         let end = blank_statement(&mut text, at);
-        let Ok(Err(next)) = engine::compile(&text, limits, language) else {
+        let limits = Limits {
+            compile_time: limits.compile_time.saturating_sub(clock.elapsed()),
+            ..limits.clone()
+        };
+        let Ok(Err(next)) = engine::compile(&text, &limits, language) else {
             break;
         };
         // Nothing more is to be learned where the place does not move on, or where the rest of the text makes no sense without what was taken out.

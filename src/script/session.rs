@@ -12,6 +12,7 @@ use rhai::{Dynamic, ImmutableString, Module, Position};
 use super::{
     Picture, RunOptions,
     api::Stream,
+    cells,
     language::Language,
     link::Remote,
     value::{Outcome, ScriptError},
@@ -21,7 +22,9 @@ use crate::{
     host::{Host, resolve},
     import::{AssetCache, Assets},
     limits::Limits,
+    meter,
     parameters::Declared,
+    render::Spent,
     scene::Builder,
 };
 
@@ -121,6 +124,8 @@ pub(crate) struct State {
     pub(crate) ended: Option<Box<ScriptError>>,
     /// Time spent rendering, which does not count as the script's.
     pub(crate) rendering: Duration,
+    /// What its pictures took of the limits on renders.
+    pub(crate) spent: Spent,
 }
 
 impl State {
@@ -163,6 +168,7 @@ impl State {
             printed: 0,
             ended: None,
             rendering: Duration::ZERO,
+            spent: Spent::default(),
         }
     }
 
@@ -241,12 +247,21 @@ impl State {
         resolve(named_in, path)
     }
 
-    /// The text file at `host_path`, at most `max_bytes` long, counted as every file is.
-    pub(crate) fn read(&mut self, host_path: &str, max_bytes: u64) -> Outcome<Vec<u8>> {
+    /// The script file at `host_path`, counted as every file is.
+    pub(crate) fn read_script(&mut self, host_path: &str) -> Outcome<Vec<u8>> {
+        let most = self.limits.source_bytes as u64;
         let mut limits = self.limits.clone();
-        limits.file_bytes = limits.file_bytes.min(max_bytes);
+        limits.file_bytes = limits.file_bytes.min(most);
         let bytes = Assets::new(&self.host, &limits, &mut self.assets).read(host_path);
-        bytes.map_err(ScriptError::from_file)
+        bytes.map_err(|error| {
+            if error.kind == ErrorKind::Limit
+                && error.message.contains("'file_bytes'")
+                && most < self.limits.file_bytes
+            {
+                return limit(&format!("'{host_path}' is too large"), "source_bytes", most);
+            }
+            ScriptError::from_file(error)
+        })
     }
 
     /// Prints a line, as long as the budget lasts.
@@ -320,24 +335,50 @@ pub(super) fn print(text: &str) {
 pub(super) fn watch(limits: &Limits) -> impl Fn(u64) -> Option<Dynamic> + Send + Sync + 'static {
     let limits = limits.clone();
     let clock = Clock::start();
-    STEPS.with(|steps| steps.plan(0, limits.operations));
+    STEPS.with(|steps| {
+        steps.plan(0, limits.operations);
+        let most = isize::try_from(limits.script_memory).unwrap_or(isize::MAX);
+        steps.most_held.set(meter::held().saturating_add(most));
+    });
     move |_| {
-        let left = STEPS.with(|steps| {
+        let goes_on = STEPS.with(|steps| {
             let left = steps.left.get().saturating_sub(1);
             steps.left.set(left);
-            left
+            left > 0 && meter::held() <= steps.most_held.get()
         });
-        if left > 0 {
+        if goes_on {
             return None;
         }
         look(&limits, &clock)
     }
 }
 
+/// Calls a function that puts something into the scene. What the thread then holds more is the scene's, which has limits
+/// of its own, and not the script's.
+pub(super) fn for_the_scene<T>(f: impl FnOnce() -> T, is_the_scenes: impl FnOnce(&T) -> bool) -> T {
+    let before = meter::held();
+    let result = f();
+    let more = meter::held().saturating_sub(before);
+    if more > 0 && is_the_scenes(&result) {
+        STEPS.with(|steps| steps.most_held.set(steps.most_held.get().saturating_add(more)));
+    }
+    result
+}
+
+/// Whether the script holds more than it may, also when what nobody can reach any more is gone.
+fn holds_too_much() -> bool {
+    let too_much = || STEPS.with(|steps| meter::held() > steps.most_held.get());
+    if !too_much() {
+        return false;
+    }
+    cells::sweep();
+    too_much()
+}
+
 /// Whether the run is to end.
 #[cold]
 fn look(limits: &Limits, clock: &Clock) -> Option<Dynamic> {
-    let taken = STEPS.with(|steps| steps.until.get());
+    let taken = STEPS.with(|steps| steps.until.get() - steps.left.get());
     let ended = with_state(|state| {
         if state.ended.is_none() {
             let spent = clock.elapsed().saturating_sub(state.rendering);
@@ -349,6 +390,13 @@ fn look(limits: &Limits, clock: &Clock) -> Option<Dynamic> {
             } else if spent > limits.script_time {
                 let value = format!("{:?}", limits.script_time);
                 Some(limit("the script runs too long", "script_time", value))
+            } else if holds_too_much() {
+                let value = limits.script_memory;
+                Some(limit(
+                    "the script's values take too much memory",
+                    "script_memory",
+                    value,
+                ))
             } else if state.printed > limits.print_bytes {
                 let value = limits.print_bytes;
                 Some(limit("the script prints too much", "print_bytes", value))
@@ -372,6 +420,8 @@ struct Steps {
     left: Cell<u64>,
     /// Steps taken when none is left.
     until: Cell<u64>,
+    /// Bytes that the thread may hold until then.
+    most_held: Cell<isize>,
 }
 
 impl Steps {
@@ -387,7 +437,7 @@ impl Steps {
 }
 
 thread_local! {
-    static STEPS: Steps = const { Steps { left: Cell::new(0), until: Cell::new(0) } };
+    static STEPS: Steps = const { Steps { left: Cell::new(0), until: Cell::new(0), most_held: Cell::new(isize::MAX) } };
 }
 
 /// Operations between two looks at the clock: some 50 microseconds.

@@ -125,13 +125,13 @@ fn reading_a_script_has_a_time_limit() {
     // Names are looked up one by one: reading many of them takes time that grows with the square.
     let source: String = (0..60_000).map(|i| format!("let a{i}=1;")).collect();
     let mut limits = Limits::default();
-    limits.script_time = std::time::Duration::from_millis(50);
+    limits.compile_time = std::time::Duration::from_millis(50);
     limits.variables = 100_000;
     let e = Script::compile("scene.rhai", &source, &limits).unwrap_err();
     assert_eq!(e.kind(), Limit);
     assert_eq!(
         e.diagnostic.message,
-        "reading the script takes too long: the limit 'script_time' is 50ms"
+        "reading the script takes too long: the limit 'compile_time' is 50ms"
     );
 }
 
@@ -170,6 +170,7 @@ fn attacks_end_in_an_error_of_their_own() {
         let source = format!("{many}{attack}");
         let mut limits = Limits::untrusted();
         limits.script_time = std::time::Duration::from_millis(300);
+        limits.closures = true;
         let script = Script::compile("scene.rhai", &source, &limits);
         let run = script.and_then(|s| s.run(&Notes::default(), &RunOptions::default()));
         let Err(e) = run else {

@@ -46,6 +46,10 @@ pub(in crate::cli) struct RenderArgs {
     #[arg(long, value_name = "WHAT", conflicts_with = "stats")]
     pub(in crate::cli) show: Option<ShowWhat>,
 
+    /// Run scripts of strangers: seconds of work, megabytes of memory, no imports, no closures
+    #[arg(long)]
+    pub(in crate::cli) untrusted: bool,
+
     /// Leave out of a PNG what it was made from: script, modules, parameters, version, hash
     #[arg(long)]
     pub(in crate::cli) no_recipe: bool,

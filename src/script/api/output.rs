@@ -11,7 +11,8 @@ use crate::{
     script::{
         Picture,
         call::Call,
-        session::{Clock, State},
+        link::RenderLimits,
+        session::{Clock, State, limit},
         table::{Entry, Group, Kind, Param},
         value::{ImageValue, Outcome, ScriptError},
     },
@@ -51,6 +52,9 @@ fn render(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
             .error("name must not be empty")
             .hint("for example render(\"picture.png\")"));
     }
+    if state.pictures.len() >= state.limits.pictures {
+        return Err(limit("too many pictures", "pictures", state.limits.pictures));
+    }
     let mut scene = state.builder.lend();
     let settings = scene.settings.clone();
     if state.dry {
@@ -62,7 +66,12 @@ fn render(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     }
     let clock = Clock::start();
     // Where no scene comes back, nobody is left who could render, and the run is over.
-    let result = match state.host.render(scene) {
+    let limits = RenderLimits {
+        time: state.limits.render_time,
+        rays: state.limits.rays,
+        spent: state.spent,
+    };
+    let result = match state.host.render(scene, limits) {
         Some((mut scene, result)) => {
             scene.settings = settings.clone();
             state.builder.take_back(scene);
@@ -72,6 +81,7 @@ fn render(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     };
     state.rendering = state.rendering.saturating_add(clock.elapsed());
     let report = result?;
+    state.spent.add(&report.value.stats);
     // What looks wrong about one pixel says nothing.
     if !state.dry {
         state.warnings.extend(report.warnings);

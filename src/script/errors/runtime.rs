@@ -68,7 +68,7 @@ pub(super) fn message(error: &EvalAltResult, pos: Position, text: &str, context:
         E::ErrorArithmetic(message, _) => script(Code::Arithmetic, uncapitalized(message)),
         E::ErrorRuntime(value, _) => script(Code::Thrown, thrown_text(value)),
         E::ErrorTooManyVariables(_) => limit("too many variables", "variables", limits.variables),
-        E::ErrorTooManyModules(_) => limit("too many imports", "files", limits.files),
+        E::ErrorTooManyModules(_) => limit("too many files are imported", "modules", limits.modules),
         E::ErrorStackOverflow(_) => limit(
             "functions call one another too deep",
             "call_levels",

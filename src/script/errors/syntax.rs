@@ -19,6 +19,11 @@ pub(super) fn message(
     match error {
         P::UnexpectedEOF => script(Code::Unclosed, "the script ends in the middle of a statement")
             .hint("is a bracket or a brace left open?"),
+        P::BadInput(LexError::UnexpectedInput(bar)) if !limits.closures && (bar == "|" || bar == "||") => {
+            limit("closures are switched off", "closures", limits.closures).hint(
+                "define a function and hand it on by its name: fn twice(x) { x * 2 } list.map(Fn(\"twice\"))",
+            )
+        }
         P::BadInput(e) => lex_message(e),
         P::VariableUndefined(name) => names::unknown_variable(name, pos, text),
         P::ModuleUndefined(name) => script(Code::UnknownModule, format!("no module is imported as {name}"))
