@@ -324,7 +324,7 @@ fn names_are_found_through_lists_and_not_in_texts() {
 
 #[test]
 fn edges_point_down_only() {
-    let allowed: BTreeMap<&str, &[&str]> = MAY_NAME.into_iter().collect();
+    let allowed: BTreeMap<&str, &[&str]> = MAY_NAME.iter().copied().collect();
     let mut wrong = Vec::new();
     let sources = sources();
     let shown_again = shown_again(&sources);

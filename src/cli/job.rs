@@ -231,13 +231,11 @@ impl Job {
 
     /// Says which signal stopped the run, in place of the library's "the host asked to stop".
     fn stopped(&self, error: Error, signals: &Signals) -> Error {
-        let Some(signal) = signals.caught().filter(|_| error.kind() == ErrorKind::Cancelled) else {
+        let Some(name) = signals
+            .caught_name()
+            .filter(|_| error.kind() == ErrorKind::Cancelled)
+        else {
             return error;
-        };
-        let name = match signal {
-            2 => "SIGINT",
-            15 => "SIGTERM",
-            _ => "SIGHUP",
         };
         Error {
             diagnostic: Box::new(Diagnostic::error(

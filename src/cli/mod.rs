@@ -130,10 +130,14 @@ impl Context {
     /// As [`Context::finish`], for a command that chooses its exit code.
     fn answer(&self, quiet: bool, command: impl FnOnce(&Arc<Signals>, Reporter) -> Result<u8, Error>) -> u8 {
         let reporter = Reporter::new(quiet, self.format);
-        guard::guarded(|| command(&self.signals, reporter)).unwrap_or_else(|error| {
-            reporter.error(&error);
-            exit_code(error.kind(), self.signals.caught())
-        })
+        match guard::guarded(|| command(&self.signals, reporter)) {
+            // It was done before it noticed; what comes after it in a shell script shall not go on all the same.
+            Ok(code) => self.signals.caught().map_or(code, stopped_by),
+            Err(error) => {
+                reporter.error(&error);
+                exit_code(error.kind(), self.signals.caught())
+            }
+        }
     }
 
     /// Renders all files; one that fails does not keep the others from being rendered. The exit code is that of the
@@ -234,9 +238,12 @@ fn jobs(args: &RenderArgs) -> Result<Vec<Job>, String> {
 }
 
 fn usage(error: &clap::Error) -> u8 {
-    // Where the terminal is closed, nobody is left to tell.
-    let _ = error.print();
-    u8::try_from(error.exit_code()).unwrap_or(2)
+    let printed = error.print().and_then(|()| io::stdout().flush());
+    match u8::try_from(error.exit_code()).unwrap_or(2) {
+        // What was asked for, such as help, could not be given. Where the terminal is closed, nobody is left to tell.
+        0 if printed.is_err_and(|e| e.kind() != io::ErrorKind::BrokenPipe) => 4,
+        code => code,
+    }
 }
 
 /// The one place where an error becomes an exit code; `signal` is the number of the signal that came, if one did.
@@ -247,9 +254,14 @@ fn exit_code(kind: ErrorKind, signal: Option<i32>) -> u8 {
         ErrorKind::Output => 4,
         ErrorKind::Limit => 5,
         ErrorKind::Denied => 6,
-        ErrorKind::Cancelled => signal.and_then(|n| u8::try_from(128 + n).ok()).unwrap_or(130),
+        ErrorKind::Cancelled => signal.map_or(130, stopped_by),
         ErrorKind::Internal => 70,
     }
+}
+
+/// The exit code of a run that a signal stopped, as shells have it.
+fn stopped_by(signal: i32) -> u8 {
+    u8::try_from(128 + signal).unwrap_or(130)
 }
 
 /// Writes to standard output. A reader that went away has what it wanted.

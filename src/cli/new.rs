@@ -1,12 +1,8 @@
 //! `rtscript new`: a scene to begin with.
 
-use std::{
-    fs::OpenOptions,
-    io::{self, Write},
-    path::PathBuf,
-};
+use std::path::PathBuf;
 
-use super::{args::NewArgs, report::Reporter};
+use super::{args::NewArgs, report::Reporter, without_place};
 use crate::{
     diag::{Diagnostic, Error, ErrorKind},
     output,
@@ -26,19 +22,11 @@ pub(super) fn new(args: &NewArgs, reporter: Reporter) -> Result<(), Error> {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let text = STARTER.replace("NAME", &stem);
     let shown = path.display();
-    let written = OpenOptions::new()
-        .write(true)
-        .create_new(true)
-        .open(&path)
-        .and_then(|mut file| file.write_all(text.as_bytes()));
-    if let Err(e) = written {
-        let message = format!("cannot write '{shown}': {}", output::reason(&e));
-        let error = Diagnostic::error(ErrorKind::Output, message);
-        return Err(match e.kind() {
-            io::ErrorKind::AlreadyExists => error.hint("name a scene that is not there yet"),
-            _ => error,
-        }
-        .into());
+    if !output::write_new(&path, text.as_bytes()).map_err(without_place)? {
+        let message = format!("cannot write '{shown}': file exists");
+        return Err(Diagnostic::error(ErrorKind::Output, message)
+            .hint("name a scene that is not there yet")
+            .into());
     }
     reporter.line(&format!("{shown}: a starter scene; rtscript {shown} renders it"));
     Ok(())

@@ -1,4 +1,5 @@
-//! SIGINT, SIGTERM and SIGHUP: the first stops the render, the second the process.
+//! SIGINT, SIGTERM and SIGHUP: the first asks the run to stop, and ends the process where it has not stopped soon; the
+//! second ends it at once. However it ends, files are whole and no temporary one stays.
 
 use std::sync::{
     Arc, Mutex, PoisonError,
@@ -42,11 +43,13 @@ impl Signals {
         *self.last.lock().unwrap_or_else(PoisonError::into_inner) = last;
     }
 
+    /// What must be done before the process ends without running any destructor.
     #[cfg(unix)]
     fn end(&self) {
         if let Some(last) = &*self.last.lock().unwrap_or_else(PoisonError::into_inner) {
             last();
         }
+        crate::output::remove_unfinished();
     }
 
     /// The number of the signal that asks to stop.
@@ -56,16 +59,36 @@ impl Signals {
             signal => Some(signal),
         }
     }
+
+    /// The name of that signal.
+    pub(super) fn caught_name(&self) -> Option<&'static str> {
+        self.caught().map(|signal| match signal {
+            2 => "SIGINT",
+            15 => "SIGTERM",
+            _ => "SIGHUP",
+        })
+    }
 }
 
 #[cfg(unix)]
 mod unix {
+    use std::{
+        io::Write,
+        sync::mpsc,
+        thread::{Builder, sleep},
+        time::Duration,
+    };
+
     use super::{Arc, Ordering};
     use signal_hook::{
         consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ},
         iterator::Signals as Listener,
         low_level,
     };
+
+    /// Time in which a run that was asked to stop may do so by itself. What takes longer, such as reading a large file or
+    /// encoding a large picture, is ended.
+    const PATIENCE: Duration = Duration::from_millis(700);
 
     /// Starts the thread that receives signals. Where it cannot be started, signals keep the system's meaning.
     pub(super) fn listen(signals: &Arc<super::Signals>) {
@@ -77,18 +100,39 @@ mod unix {
             return;
         };
         let signals = Arc::clone(signals);
-        let thread = std::thread::Builder::new().name("signals".to_owned());
+        let thread = Builder::new().name("signals".to_owned());
         let _ = thread.spawn(move || {
             for signal in listener.forever().filter(|s| *s != SIGXFSZ) {
                 let first = signals
                     .caught
                     .compare_exchange(0, signal, Ordering::SeqCst, Ordering::SeqCst);
                 if first.is_err() || !signals.armed.load(Ordering::SeqCst) {
-                    signals.end();
-                    low_level::exit(128 + signal);
+                    end(&signals, signal);
                 }
+                let signals = Arc::clone(&signals);
+                let _ = Builder::new().spawn(move || {
+                    sleep(PATIENCE);
+                    say(&signals);
+                    end(&signals, signal);
+                });
             }
         });
+    }
+
+    fn end(signals: &super::Signals, signal: i32) {
+        signals.end();
+        low_level::exit(128 + signal);
+    }
+
+    /// Says that the run was ended. Nobody may be reading standard error, which is not waited for.
+    fn say(signals: &super::Signals) {
+        let name = signals.caught_name().unwrap_or("a signal");
+        let (done, wait) = mpsc::channel();
+        let _ = Builder::new().spawn(move || {
+            let _ = writeln!(std::io::stderr(), "error: stopped by {name} before it was done");
+            let _ = done.send(());
+        });
+        let _ = wait.recv_timeout(Duration::from_millis(50));
     }
 
     /// Bit n - 1 is set where the parent made this process ignore signal n. Read from a file, because asking the

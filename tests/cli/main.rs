@@ -5,6 +5,8 @@
 mod course;
 mod diff;
 mod expand;
+#[cfg(unix)]
+mod faults;
 mod files;
 mod flags;
 mod help;

@@ -10,7 +10,7 @@ use std::{
 };
 
 /// Runs `script` by the shell, the command being `$0`.
-fn shell(folder: &Folder, script: &str) -> Ran {
+pub(super) fn shell(folder: &Folder, script: &str) -> Ran {
     let output = Command::new("sh")
         .args(["-c", script, env!("CARGO_BIN_EXE_rtscript")])
         .current_dir(&folder.0)
@@ -86,7 +86,7 @@ fn start(folder: &Folder, command: &mut Command) -> Child {
     child
 }
 
-fn wait_for(done: impl Fn() -> bool) {
+pub(super) fn wait_for(mut done: impl FnMut() -> bool) {
     let start = Instant::now();
     while !done() {
         assert!(start.elapsed() < Duration::from_secs(20), "waited too long");
@@ -101,7 +101,7 @@ fn read_line(child: &mut Child) {
     assert_eq!(&first, b"running\n");
 }
 
-fn kill(child: &Child, signal: &str) {
+pub(super) fn kill(child: &Child, signal: &str) {
     let status = Command::new("kill")
         .args([signal, &child.id().to_string()])
         .status()

@@ -26,7 +26,7 @@ use super::{
     progress::ProgressLine,
     report::{self, Reporter, shortened},
     signals::Signals,
-    stats, without_place,
+    stats, stopped_by, without_place,
 };
 use crate::{
     diag::{Diagnostic, Error, ErrorKind, Report},
@@ -171,7 +171,7 @@ impl Session {
     fn wait(&self, ended: &Ended) -> Option<u8> {
         loop {
             if let Some(signal) = self.signals.caught() {
-                return Some(u8::try_from(128 + signal).unwrap_or(130));
+                return Some(stopped_by(signal));
             }
             if self.is_asked() {
                 return (self.asked.swap(NOTHING, Ordering::Relaxed) == QUIT).then_some(0);
