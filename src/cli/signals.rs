@@ -88,7 +88,7 @@ mod unix {
 
     /// Time in which a run that was asked to stop may do so by itself. What takes longer, such as reading a large file or
     /// encoding a large picture, is ended.
-    const PATIENCE: Duration = Duration::from_millis(500);
+    const PATIENCE: Duration = Duration::from_millis(300);
 
     /// Starts the thread that receives signals. Where it cannot be started, signals keep the system's meaning.
     pub(super) fn listen(signals: &Arc<super::Signals>) {
