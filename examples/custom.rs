@@ -128,7 +128,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut b = Builder::new();
     b.size(320, 240)?;
     b.samples(4)?;
-    b.background(DVec3::new(0.35, 0.45, 0.6));
+    b.background(DVec3::new(0.35, 0.45, 0.6))?;
     b.camera(Camera::new(
         DVec3::new(0.0, 1.9, 6.0),
         DVec3::new(0.0, 0.1, 0.0),

@@ -20,7 +20,7 @@ pub struct Limits {
     /// every step of the script, so a single call may go beyond by what its result takes. Only where the program has
     /// installed a [`Meter`](crate::meter::Meter), as the command has.
     pub script_memory: u64,
-    /// Time that tracing the pictures of a run may take; `None` is any. Default: any. The same for a render of one's own:
+    /// Time that the pictures of a run may take, with their trees; `None` is any. Default: any. The same for a render of one's own:
     /// [`RenderOptions::within`](crate::RenderOptions::within).
     pub render_time: Option<Duration>,
     /// Rays of every kind that the pictures of a run may take; `None` is any number. Default: any.

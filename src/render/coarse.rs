@@ -1,6 +1,6 @@
 //! Pictures of a picture that is still to be traced, for whoever waits for it.
 
-use super::{RenderOptions, tiles, world::World};
+use super::{RenderOptions, interrupt::Interrupt, tiles, world::World};
 use crate::{
     diag::Diagnostic,
     host::{Host, HostError},
@@ -18,14 +18,19 @@ const SAMPLES: u32 = 4;
 ///
 /// # Errors
 /// Where the host asked to stop or the render takes too long.
-pub(super) fn show(world: &World<'_>, options: &RenderOptions, host: &dyn Host) -> Result<(), Diagnostic> {
+pub(super) fn show(
+    world: &World<'_>,
+    options: &RenderOptions,
+    host: &dyn Host,
+    interrupt: &Interrupt<'_>,
+) -> Result<(), Diagnostic> {
     // Their rays are not counted: with them and without, the picture is the same, and so is whether there is one.
     let options = &RenderOptions {
         rays: None,
         ..options.clone()
     };
     for settings in settings(&world.scene.settings) {
-        let (image, _) = tiles::trace(world, &settings, options, &Unannounced(host))?;
+        let (image, _) = tiles::trace(world, &settings, options, &Unannounced(host), interrupt)?;
         host.coarse(&image);
     }
     Ok(())

@@ -106,6 +106,9 @@ pub(super) fn radiance<O: Observer>(
     counts.camera += 1;
     while let Some(Pending { probe, weight, depth }) = next.or_else(|| waiting.pop()) {
         next = None;
+        if interrupt.is_stopped() {
+            return Color::ZERO;
+        }
         let ray = probe.ray;
         observer.ray(&ray, weight, depth);
         let hit = known

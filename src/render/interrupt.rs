@@ -1,14 +1,33 @@
 //! What ends a render early, looked at often enough that no scene makes anybody wait: a single pixel can take minutes,
 //! with thousands of samples, with a tree of 2^64 rays between mirrors of glass, or with lights of 65,536 points.
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::Duration;
+use std::{
+    fmt,
+    sync::{
+        Condvar, Mutex, PoisonError,
+        atomic::{AtomicBool, AtomicU64, Ordering},
+    },
+    thread,
+    time::Duration,
+};
 
 use super::{RenderOptions, Stopwatch};
 use crate::{
     diag::{Diagnostic, ErrorKind},
     host::Host,
 };
+
+/// How often the thread that watches a render asks.
+const EVERY: Duration = Duration::from_millis(5);
+
+/// Calls its function when it goes, also by a panic.
+struct OnDrop<F: Fn()>(F);
+
+impl<F: Fn()> Drop for OnDrop<F> {
+    fn drop(&mut self) {
+        (self.0)();
+    }
+}
 
 /// Whether to stop, for all threads of a render.
 pub(super) struct Interrupt<'h> {
@@ -43,6 +62,31 @@ impl<'h> Interrupt<'h> {
             most_rays: options.rays.map(|most| (most, most.saturating_sub(spent.rays))),
             rays: AtomicU64::new(0),
         }
+    }
+
+    /// Does something that may go for long without a question, while another thread asks.
+    pub(super) fn watched<T>(&self, f: impl FnOnce() -> T) -> T {
+        if cfg!(target_family = "wasm") {
+            return f();
+        }
+        let (ended, bell) = (Mutex::new(false), Condvar::new());
+        thread::scope(|scope| {
+            let watcher = thread::Builder::new().name("rtscript watch".to_owned());
+            let watch = || {
+                let mut ended = ended.lock().unwrap_or_else(PoisonError::into_inner);
+                while !*ended && !self.poll() {
+                    let waited = bell.wait_timeout(ended, EVERY);
+                    ended = waited.unwrap_or_else(PoisonError::into_inner).0;
+                }
+            };
+            // Where there can be no thread more, the questions on the way have to do.
+            let _ = watcher.spawn_scoped(scope, watch);
+            let _end = OnDrop(|| {
+                *ended.lock().unwrap_or_else(PoisonError::into_inner) = true;
+                bell.notify_all();
+            });
+            f()
+        })
     }
 
     /// True once the render is to stop; what is being computed is then dropped, so any value does.
@@ -92,5 +136,13 @@ impl<'h> Interrupt<'h> {
                 .hint("fewer samples, fewer bounces or a smaller picture take less");
         }
         Diagnostic::error(ErrorKind::Cancelled, "the render was stopped")
+    }
+}
+
+impl fmt::Debug for Interrupt<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Interrupt")
+            .field("stopped", &self.stopped)
+            .finish_non_exhaustive()
     }
 }

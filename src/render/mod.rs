@@ -51,7 +51,7 @@ pub struct RenderOptions {
     /// Acceleration structures kept from one render to the next, for renders of nearly the same scene; the picture is
     /// the same with and without.
     pub trees: Option<KeptTrees>,
-    /// Time that tracing may take; `None` is any. Looked at some thousand times a second. Without a clock
+    /// Time that the render may take, with its trees; `None` is any. Looked at every few milliseconds. Without a clock
     /// (wasm32-unknown-unknown) time stands still.
     pub render_time: Option<Duration>,
     /// Rays of every kind that the picture may take, [`RenderStats::rays`]; `None` is any number. Whether a picture
@@ -80,7 +80,7 @@ impl RenderOptions {
 /// What the pictures of a run took so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Spent {
-    /// Time to trace them.
+    /// Time to build their trees and to trace them.
     pub(crate) time: Duration,
     /// Rays.
     pub(crate) rays: u64,
@@ -89,7 +89,10 @@ pub(crate) struct Spent {
 impl Spent {
     /// Adds what a picture took.
     pub(crate) fn add(&mut self, stats: &RenderStats) {
-        self.time = self.time.saturating_add(stats.trace);
+        self.time = self
+            .time
+            .saturating_add(stats.compile)
+            .saturating_add(stats.trace);
         self.rays = self.rays.saturating_add(stats.rays());
     }
 }
@@ -167,7 +170,10 @@ pub struct Rendered {
 /// `Cancelled` where the host asks to stop, `Limit` where a limit of `options` is passed or instancing multiplies past
 /// 2^62 primitives.
 pub fn render(scene: &Scene, options: &RenderOptions, host: &dyn Host) -> Result<Report<Rendered>, Error> {
-    on_threads(options.threads, || render_here(scene, options, host))
+    on_threads(options.threads, || {
+        let interrupt = Interrupt::within(options, host);
+        interrupt.watched(|| render_here(scene, options, host, &interrupt))
+    })
 }
 
 /// Does something on as many threads; 0 is those of the current pool.
@@ -210,19 +216,25 @@ fn by_rows<T: Send>(
 }
 
 /// Renders on the threads of the current pool.
-fn render_here(scene: &Scene, options: &RenderOptions, host: &dyn Host) -> Result<Report<Rendered>, Error> {
+fn render_here(
+    scene: &Scene,
+    options: &RenderOptions,
+    host: &dyn Host,
+    interrupt: &Interrupt<'_>,
+) -> Result<Report<Rendered>, Error> {
     let compiling = Stopwatch::start();
-    let mut world = World::compile_keeping(scene, options.trees.as_ref(), host)?;
+    let mut world = World::compile_keeping(scene, options.trees.as_ref(), interrupt)?;
     world.packets = !options.single_rays;
+    world.interrupt = Some(interrupt);
     let compile = compiling.elapsed();
     let mut warnings = inspect::before(&world);
     warnings.iter().for_each(|warning| host.warn(warning));
     let tracing = Stopwatch::start();
     let coarse = match options.coarse {
-        true => coarse::show(&world, options, host),
+        true => coarse::show(&world, options, host, interrupt),
         false => Ok(()),
     };
-    let traced = coarse.and_then(|()| tiles::trace(&world, &scene.settings, options, host));
+    let traced = coarse.and_then(|()| tiles::trace(&world, &scene.settings, options, host, interrupt));
     let (primitives, world_bytes) = (world.primitives(), world.bytes());
     if let Ok((image, _)) = &traced {
         warnings.extend(inspect::after(&world, image, &warnings));

@@ -45,10 +45,10 @@ pub(super) fn trace(
     s: &Settings,
     options: &RenderOptions,
     host: &dyn Host,
+    interrupt: &Interrupt<'_>,
 ) -> Result<(Image, Counts), Diagnostic> {
     let total = u64::from(s.width) * u64::from(s.height);
     let frame = world.scene.camera.frame(s.width, s.height);
-    let interrupt = Interrupt::within(options, host);
     let progress = Mutex::new(Progress {
         done: 0,
         total,
@@ -85,7 +85,7 @@ pub(super) fn trace(
                     world,
                     settings: s,
                     frame: &frame,
-                    interrupt: &interrupt,
+                    interrupt,
                     at: (x0 + square.left, y0 + square.top),
                     size: (square.columns, square.rows),
                 }
@@ -93,7 +93,9 @@ pub(super) fn trace(
                     let (x, y) = (square.left + i % square.columns, square.top + i / square.columns);
                     tile[(y * columns + x) as usize] = mean.to_array();
                 });
-                interrupt.count(own.total() - counted);
+                if options.rays.is_some() {
+                    interrupt.count(own.total() - counted);
+                }
             }
             if let Some(seed) = options.shuffle {
                 give_way(!seed, (column, row));

@@ -47,16 +47,16 @@ impl<'s> World<'s> {
     /// # Errors
     /// As [`World::compile`]; `Cancelled` where the host asks to stop.
     pub fn compile_for(scene: &'s Scene, host: &dyn Host) -> Result<Self, Error> {
-        Self::compile_keeping(scene, None, host)
+        Self::compile_keeping(scene, None, &Interrupt::new(host))
     }
 
     /// As [`World::compile_for`], with the trees that are there already. Give the world back to have them kept.
-    pub(crate) fn compile_keeping(
+    pub(in crate::render) fn compile_keeping(
         scene: &'s Scene,
         trees: Option<&KeptTrees>,
-        host: &dyn Host,
+        interrupt: &Interrupt<'_>,
     ) -> Result<Self, Error> {
-        Self::compile_with(scene, CUTS, trees, host)
+        Self::compile_with(scene, CUTS, trees, interrupt)
     }
 
     /// Compiles with at most `cuts` cuts for each triangle, which changes no result, and with the trees that are there
@@ -65,9 +65,8 @@ impl<'s> World<'s> {
         scene: &'s Scene,
         cuts: f64,
         trees: Option<&KeptTrees>,
-        host: &dyn Host,
+        interrupt: &Interrupt<'_>,
     ) -> Result<Self, Error> {
-        let interrupt = Interrupt::new(host);
         let mut compiler = Compiler {
             scene,
             levels: Vec::new(),
@@ -78,7 +77,7 @@ impl<'s> World<'s> {
             cuts,
             trees,
             keys: Vec::new(),
-            interrupt: &interrupt,
+            interrupt,
         };
         let compiled = compiler.groups();
         let world = World {
@@ -86,6 +85,7 @@ impl<'s> World<'s> {
             levels: compiler.levels,
             keys: compiler.keys,
             packets: true,
+            interrupt: None,
             uv_everywhere: false,
         };
         match (compiled, trees) {

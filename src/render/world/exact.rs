@@ -26,6 +26,7 @@ impl<const ANY: bool> Exact<'_, '_, '_, ANY> {
     pub(super) fn any(&mut self, index: u32) -> bool {
         match self.level.primitive(index) {
             Primitive::Shape(i) => self.shape(index, i),
+            Primitive::Instance(_) if self.world.is_stopped() => false,
             Primitive::Instance(i) => {
                 let instance = &self.level.instances[i as usize];
                 let inner = &self.world.levels[instance.level as usize];

@@ -35,6 +35,7 @@ pub(crate) use query::{Blocker, Hit, Probe};
 pub(crate) use shaft::FewObstacles;
 pub(crate) use surface::SurfacePoint;
 
+use super::interrupt::Interrupt;
 use crate::{
     math::{Bounds3, DVec3, Ray},
     scene::Scene,
@@ -65,6 +66,8 @@ pub struct World<'s> {
     keys: Vec<kept::Key>,
     /// Rays that go together are traced in packets; off for tests that compare.
     pub(crate) packets: bool,
+    /// Looked at where a single question may go on for very long: in instances of instances.
+    pub(super) interrupt: Option<&'s Interrupt<'s>>,
     /// Texture coordinates are wanted of every surface, also where no texture asks for them.
     pub(crate) uv_everywhere: bool,
 }
@@ -158,6 +161,12 @@ impl<'s> World<'s> {
     /// A box around everything; `None` where something has no end, or where there is nothing.
     pub(super) fn bounds(&self) -> Option<Bounds3> {
         self.root()?.bounds
+    }
+
+    /// True once nobody wants an answer any more: any will do.
+    #[inline]
+    fn is_stopped(&self) -> bool {
+        self.interrupt.is_some_and(Interrupt::is_stopped)
     }
 
     fn root(&self) -> Option<&Level<'s>> {

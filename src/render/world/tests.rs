@@ -7,6 +7,7 @@ mod stops;
 use proptest::prelude::*;
 
 use super::{
+    super::interrupt::Interrupt,
     World,
     query::{Blocker, Hit, Probe},
 };
@@ -214,7 +215,7 @@ fn triangles_that_were_cut_are_found_from_everywhere() {
             b.triangle(*corners, None).unwrap();
         }
         let scene = b.finish().value;
-        let world = World::compile_with(&scene, 3.0, None, &NoHost).unwrap();
+        let world = World::compile_with(&scene, 3.0, None, &Interrupt::new(&NoHost)).unwrap();
         let blocks = &world.levels[0].triangle_blocks;
         let standing = blocks
             .iter()

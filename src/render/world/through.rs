@@ -61,6 +61,9 @@ impl World<'_> {
         let mut share = Color::ONE;
         // Each turn passes one transparent surface. Nobody looks through more than these.
         for _ in 0..1024 {
+            if self.is_stopped() {
+                return Color::ZERO;
+            }
             let Some(hit) = self.nearest(&probe, rest) else {
                 return share;
             };
@@ -419,6 +422,7 @@ impl<'a, 's, C: Census> Walk<'a, 's, C> {
         let number = self.base + u64::from(index);
         let mut crossings = Crossings::default();
         match self.level.primitive(index) {
+            Primitive::Instance(_) if self.world.is_stopped() => return Control::Stop,
             Primitive::Instance(i) => {
                 let instance = &self.level.instances[i as usize];
                 let inner = &self.world.levels[instance.level as usize];

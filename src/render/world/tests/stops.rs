@@ -1,17 +1,20 @@
 //! Compiling that is stopped at any of the moments at which it asks.
 
-use std::sync::{
-    Arc,
-    atomic::{AtomicU64, Ordering},
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicU64, Ordering},
+    },
+    time::Duration,
 };
 
-use super::super::World;
+use super::super::{super::interrupt::Interrupt, World};
 use crate::{
-    Builder, DVec3, Host, HostError, NoHost, Scene,
+    Builder, DVec3, Host, HostError, NoHost, RenderOptions, Scene,
     diag::ErrorKind,
-    math,
+    math, render,
     render::KeptTrees,
-    scene::Mesh,
+    scene::{Mesh, Term},
     shape::{Cuboid, Shape},
 };
 
@@ -97,11 +100,36 @@ fn compiling_ends_soon_after_the_host_asks_to_stop() {
 fn trees_that_were_lent_come_back_from_a_compilation_that_was_stopped() {
     let scene = scene();
     let trees = KeptTrees::new();
-    trees.take_back(World::compile_keeping(&scene, Some(&trees), &NoHost).unwrap());
+    trees.take_back(World::compile_keeping(&scene, Some(&trees), &Interrupt::new(&NoHost)).unwrap());
     let built = trees.counts().0;
     // All trees of the first levels are there; the question after them is the last.
     let host = Patience::until(8);
-    World::compile_keeping(&scene, Some(&trees), &host).unwrap_err();
-    World::compile_keeping(&scene, Some(&trees), &NoHost).unwrap();
+    World::compile_keeping(&scene, Some(&trees), &Interrupt::new(&host)).unwrap_err();
+    World::compile_keeping(&scene, Some(&trees), &Interrupt::new(&NoHost)).unwrap();
     assert_eq!(trees.counts().0, built);
+}
+
+#[test]
+fn instances_that_multiply_without_end_can_be_stopped() {
+    let mut b = Builder::new();
+    b.size(16, 16).unwrap();
+    b.directional(DVec3::Z, DVec3::ONE).unwrap();
+    b.material_mut().transmission = Term::color(DVec3::splat(0.5));
+    for level in 0..60 {
+        let mark = b.begin_define(&format!("level {level}")).unwrap();
+        if level == 0 {
+            b.shape(Shape::Cuboid(Cuboid::new(DVec3::ONE).unwrap())).unwrap();
+        } else {
+            // In one place, so that no box leaves any of them out.
+            (0..2).for_each(|_| b.instance(&format!("level {}", level - 1)).unwrap());
+        }
+        b.end_define(mark, true);
+    }
+    b.instance("level 59").unwrap();
+    let options = RenderOptions {
+        render_time: Some(Duration::from_millis(30)),
+        ..RenderOptions::default()
+    };
+    let error = render(&b.finish().value, &options, &NoHost).unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Limit);
 }

@@ -1,0 +1,220 @@
+//! How long a run goes on after its host has asked to stop, from another thread at random moments of each phase.
+//!
+//! usage: `cargo bench --bench cancel`; prints a table in Markdown: milliseconds until the call has returned, with
+//! everything dropped. A promise of 20 ms is worth what the slowest says.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::print_stdout,
+    clippy::indexing_slicing
+)]
+
+use std::{
+    fmt::Write,
+    hint::black_box,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    thread,
+    time::{Duration, Instant},
+};
+
+use rtscript::{
+    Builder, DVec3, Error, ErrorKind, Host, HostError, Limits, MemoryHost, RenderOptions, RunOptions, Scene,
+    Script, Term,
+    math::sin,
+    render,
+    scene::{Camera, Mesh},
+};
+
+/// Runs of each phase that are stopped.
+const TRIALS: u32 = 30;
+
+struct Switch {
+    off: AtomicBool,
+    files: MemoryHost,
+}
+
+impl Switch {
+    fn new(files: MemoryHost) -> Self {
+        Self {
+            off: AtomicBool::new(false),
+            files,
+        }
+    }
+}
+
+impl Host for Switch {
+    fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, HostError> {
+        self.files.read(path, max_bytes)
+    }
+
+    fn should_stop(&self) -> bool {
+        self.off.load(Ordering::Relaxed)
+    }
+}
+
+/// A surface of waves of `2 (n - 1)^2` triangles.
+fn waves(n: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let at = |i: u32, j: u32| {
+        let (x, z) = (f64::from(i) * 0.01, f64::from(j) * 0.01);
+        DVec3::new(x, 0.3 * sin(3.0 * x) * sin(2.0 * z), z)
+    };
+    let positions = (0..n).flat_map(|i| (0..n).map(move |j| at(i, j))).collect();
+    let quads = (1..n).flat_map(|i| (1..n).map(move |j| i * n + j));
+    let triangles = quads.flat_map(|k| [[k, k - 1, k - n - 1], [k, k - n - 1, k - n]]);
+    (positions, triangles.collect())
+}
+
+fn mesh(n: u32, copies: u32) -> Scene {
+    let (positions, triangles) = waves(n);
+    let mesh = Arc::new(Mesh::new("waves", positions, triangles).unwrap());
+    let mut b = Builder::new();
+    for _ in 0..copies {
+        // Moved, so that it is copied as well.
+        b.translate(DVec3::new(0.0, 1.0, 0.1)).unwrap();
+        b.mesh(&mesh).unwrap();
+    }
+    b.finish().value
+}
+
+fn spheres(n: u32) -> Scene {
+    let mut b = Builder::new();
+    for i in 0..n {
+        let x = f64::from(i);
+        b.sphere(DVec3::new(sin(x), sin(1.7 * x), sin(2.3 * x)) * 50.0, 0.1)
+            .unwrap();
+    }
+    b.finish().value
+}
+
+/// Balls of glass between mirrors under lights of 65,536 points, with 1024 samples: hours of work.
+fn endless() -> Scene {
+    let mut b = Builder::new();
+    b.size(640, 480).unwrap();
+    b.samples(1024).unwrap();
+    b.max_depth(64).unwrap();
+    b.camera(Camera::new(DVec3::new(0.0, 1.0, 6.0), DVec3::ZERO, DVec3::Y, 45.0).unwrap());
+    b.area_light(
+        DVec3::new(-2.0, 5.0, -2.0),
+        DVec3::X * 4.0,
+        DVec3::Z * 4.0,
+        DVec3::ONE,
+        256,
+    )
+    .unwrap();
+    b.material_mut().diffuse = Term::color(DVec3::splat(0.5));
+    b.material_mut().transmission = Term::color(DVec3::ONE);
+    b.material_mut().reflection = Some(Term::color(DVec3::ONE));
+    for i in 0..27 {
+        let at = DVec3::new(f64::from(i % 3), f64::from(i / 3 % 3), f64::from(i / 9)) - 1.0;
+        b.sphere(at * 1.2, 0.6).unwrap();
+    }
+    b.finish().value
+}
+
+/// Milliseconds from the wish to stop to the return, over all trials; the run takes `lasts` if it is let.
+fn stop(switch: &Switch, lasts: Duration, run: impl Fn(&Switch) -> Result<(), Error> + Sync) -> Vec<f64> {
+    let mut took = Vec::new();
+    for trial in 0..TRIALS {
+        switch.off.store(false, Ordering::Relaxed);
+        let wait = lasts.mul_f64((f64::from(trial) + 0.5) / f64::from(TRIALS));
+        let (ended, asked) = thread::scope(|scope| {
+            let run = scope.spawn(|| (run(switch), Instant::now()));
+            thread::sleep(wait);
+            let asked = Instant::now();
+            switch.off.store(true, Ordering::Relaxed);
+            (run.join().unwrap(), asked)
+        });
+        match ended.0 {
+            Err(e) if e.kind() == ErrorKind::Cancelled => {
+                took.push(ended.1.saturating_duration_since(asked).as_secs_f64() * 1e3);
+            }
+            // It was done before.
+            Ok(()) => {}
+            Err(e) => panic!("{e}"),
+        }
+    }
+    took.sort_by(f64::total_cmp);
+    took
+}
+
+fn row(name: &str, files: MemoryHost, run: impl Fn(&Switch) -> Result<(), Error> + Sync) {
+    let switch = Switch::new(files);
+    // At most a second of it.
+    let lasts = thread::scope(|scope| {
+        let start = Instant::now();
+        let run = scope.spawn(|| run(&switch));
+        while !run.is_finished() && start.elapsed() < Duration::from_secs(1) {
+            thread::sleep(Duration::from_millis(1));
+        }
+        switch.off.store(true, Ordering::Relaxed);
+        start.elapsed()
+    });
+    let took = stop(&switch, lasts, run);
+    if let (Some(median), Some(most)) = (took.get(took.len() / 2), took.last()) {
+        println!("| {name} | {} | {median:.1} | {most:.1} |", took.len());
+    }
+}
+
+fn script(text: &str) -> impl Fn(&Switch) -> Result<(), Error> + Sync {
+    let script = Script::compile("bench.rhai", text, &Limits::default()).unwrap();
+    move |switch| {
+        script
+            .run(switch, &RunOptions::default())
+            .map(|run| drop(black_box(run)))
+    }
+}
+
+fn picture(scene: Scene) -> impl Fn(&Switch) -> Result<(), Error> + Sync {
+    move |switch| render(&scene, &RenderOptions::default(), switch).map(|image| drop(black_box(image)))
+}
+
+fn main() {
+    println!("| phase | runs stopped | median, ms | most, ms |");
+    println!("|---|---:|---:|---:|");
+    let none = MemoryHost::new;
+    row("script, an endless loop", none(), script("loop { }"));
+    row(
+        "script, spheres for ever",
+        none(),
+        script("loop { sphere(0, 0, 0, 1); }"),
+    );
+    row(
+        "script, one long call",
+        none(),
+        script("let a = []; a.pad(2000000, 1); loop { a.sort(); a.reverse(); }"),
+    );
+    let (positions, triangles) = waves(708);
+    let mut obj = String::new();
+    for p in positions {
+        writeln!(obj, "v {} {} {}", p.x, p.y, p.z).unwrap();
+    }
+    for [a, b, c] in triangles {
+        writeln!(obj, "f {} {} {}", a + 1, b + 1, c + 1).unwrap();
+    }
+    let files = MemoryHost::new().with("waves.obj", obj);
+    row(
+        "reading an OBJ file of a million triangles",
+        files,
+        script("mesh(\"waves.obj\");"),
+    );
+    row(
+        "compiling a mesh of a million triangles",
+        none(),
+        picture(mesh(708, 1)),
+    );
+    row(
+        "compiling four of them, overlapping",
+        none(),
+        picture(mesh(708, 4)),
+    );
+    row("compiling a million spheres", none(), picture(spheres(1_000_000)));
+    row(
+        "tracing glass under lights of 65,536 points",
+        none(),
+        picture(endless()),
+    );
+}
