@@ -34,8 +34,9 @@ const AT_ONCE: usize = 4;
 /// Of each batch, so many mean no good.
 const HOSTILE_SHARE: usize = 15;
 const PICTURE: &str = "a picture";
-/// What each script is given.
+/// What a script is given. One that means good takes milliseconds; more than a second is for machines that are busy.
 const PATIENCE: Duration = Duration::from_secs(1);
+const PATIENCE_WITH_GOOD: Duration = Duration::from_secs(10);
 
 /// What one script did. Nothing in it is on the heap: what is kept would lie among what the scripts have freed, and keep
 /// the C library from giving that back.
@@ -45,6 +46,9 @@ struct Outcome {
     how: Text,
     seconds: f64,
 }
+
+/// The seconds that scripts took, of those that mean good first, by name and how they ended.
+type Kinds = BTreeMap<(bool, &'static str, Text), Vec<f32>>;
 
 /// The beginning of a message.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -107,7 +111,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .collect::<Result<_, _>>()?;
 
     let start = Instant::now();
-    let (mut outcomes, mut looks) = (Vec::with_capacity(count), Vec::with_capacity(count));
+    let (mut kinds, mut looks) = (Kinds::new(), Vec::with_capacity(count));
     for first in (0..count).step_by(BATCH) {
         let (next, done) = (AtomicUsize::new(first), Mutex::new(Vec::with_capacity(BATCH)));
         thread::scope(|scope| {
@@ -140,7 +144,12 @@ fn main() -> Result<(), Box<dyn Error>> {
             descriptors: fs::read_dir("/proc/self/fd")?.count(),
             good_ms: [0.5, 0.99].map(|part| percentile(&mut good, part).unwrap_or_default()),
         });
-        outcomes.extend(done);
+        for o in done {
+            kinds
+                .entry((!o.is_good, o.name, o.how))
+                .or_default()
+                .push(o.seconds as f32);
+        }
         if let Some(look) = looks.last() {
             println!(
                 "{:6} scripts  {:6.0} s  {:7.1} MiB  {} threads  {} descriptors",
@@ -148,12 +157,12 @@ fn main() -> Result<(), Box<dyn Error>> {
             );
         }
     }
-    print_outcomes(&outcomes);
+    print_kinds(&mut kinds);
     if let Some(target) = target {
         fs::write(format!("{target}.csv"), csv(&looks))?;
         fs::write(format!("{target}.svg"), svg(&looks))?;
     }
-    judge(&looks, &outcomes)
+    judge(&looks, &kinds)
 }
 
 fn run(number: usize, config: &Config) -> Outcome {
@@ -172,7 +181,7 @@ fn run(number: usize, config: &Config) -> Outcome {
     let host = JobHost {
         assets: &config.assets,
         is_cancelled: &AtomicBool::new(false),
-        until: start + PATIENCE,
+        until: start + if is_good { PATIENCE_WITH_GOOD } else { PATIENCE },
     };
     let how = match thumbnail(&request, config, &host) {
         Ok(_) => Text::new(PICTURE),
@@ -198,21 +207,13 @@ fn rss_mib() -> Result<f64, Box<dyn Error>> {
     Ok(pages * 4096.0 / f64::from(1 << 20))
 }
 
-fn print_outcomes(outcomes: &[Outcome]) {
-    let mut kinds: BTreeMap<(bool, &str, Text), Vec<f64>> = BTreeMap::new();
-    for o in outcomes {
-        kinds
-            .entry((!o.is_good, o.name, o.how))
-            .or_default()
-            .push(o.seconds);
-    }
+fn print_kinds(kinds: &mut Kinds) {
     println!(
         "\n{:10} {:>6}  {:>7} {:>7} {:>7} s",
         "script", "times", "50 %", "99 %", "100 %"
     );
-    for ((_, name, how), mut seconds) in kinds {
-        let [half, most, all] =
-            [0.5, 0.99, 1.0].map(|part| percentile(&mut seconds, part).unwrap_or_default());
+    for ((_, name, how), seconds) in kinds {
+        let [half, most, all] = [0.5, 0.99, 1.0].map(|part| percentile(seconds, part).unwrap_or_default());
         println!(
             "{name:10} {:6}  {half:7.3} {most:7.3} {all:7.3}  {}",
             seconds.len(),
@@ -275,23 +276,26 @@ fn svg(looks: &[Look]) -> String {
 }
 
 /// Compares the second tenth of the run with the last.
-fn judge(looks: &[Look], outcomes: &[Outcome]) -> Result<(), Box<dyn Error>> {
-    let failed = outcomes
+fn judge(looks: &[Look], kinds: &Kinds) -> Result<(), Box<dyn Error>> {
+    let failed: usize = kinds
         .iter()
-        .filter(|o| o.is_good && o.how != Text::new(PICTURE))
-        .count();
+        .filter(|((is_hostile, _, how), _)| !is_hostile && *how != Text::new(PICTURE))
+        .map(|(_, seconds)| seconds.len())
+        .sum();
     let tenth = looks.len().div_ceil(10);
     let (early, late) = (
         looks.iter().skip(tenth).take(tenth),
         looks.iter().rev().take(tenth),
     );
-    let median = |looks: &mut dyn Iterator<Item = &Look>| {
-        percentile(&mut looks.map(|l| l.rss_mib).collect::<Vec<_>>(), 0.5).unwrap_or_default()
+    // The lower quartile, since glibc now and then keeps one of its heaps of 64 MiB for a while.
+    let quartile = |looks: &mut dyn Iterator<Item = &Look>| {
+        percentile(&mut looks.map(|l| l.rss_mib).collect::<Vec<_>>(), 0.25).unwrap_or_default()
     };
-    let (before, after) = (median(&mut early.clone()), median(&mut late.clone()));
+    let (before, after) = (quartile(&mut early.clone()), quartile(&mut late.clone()));
     let growth = after / before - 1.0;
+    let most = looks.iter().map(|l| l.rss_mib).fold(0.0, f64::max);
     println!(
-        "\n{before:.1} MiB in the second tenth, {after:.1} MiB in the last: {:+.1} %",
+        "\n{before:.1} MiB in the second tenth, {after:.1} MiB in the last, {most:.1} at most: {:+.1} %",
         growth * 100.0
     );
     let kept = |count: fn(&Look) -> usize| late.clone().map(count).max() > early.clone().map(count).max();
