@@ -40,10 +40,9 @@ pub(super) fn decode(name: &str, bytes: &[u8], limits: &Limits) -> Result<ImageT
         Ok(Ok(picture)) => picture,
         Ok(Err(ImageError::Limits(_))) => return Err(too_large(name, format, bytes, limits)),
         Ok(Err(error)) => {
-            // The error's own text begins by saying that it is a format error.
             let cause = std::error::Error::source(&error).and_then(|inner| inner.source());
             let why = cause.map_or_else(|| error.to_string(), ToString::to_string);
-            return Err(damaged(name, format, &why));
+            return Err(damaged(name, format, &in_our_words(&why)));
         }
         Err(_) => return Err(damaged(name, format, "its decoder gave up")),
     };
@@ -98,6 +97,38 @@ fn damaged(name: &str, format: ImageFormat, why: &str) -> Diagnostic {
     let format = if format == ImageFormat::Png { "PNG" } else { "JPEG" };
     let why: String = why.chars().filter(|c| !c.is_control()).take(120).collect();
     input(format!("'{name}' is a damaged {format} picture: {why}"))
+}
+
+/// What a decoder says, without that it is an error of the format, without the insides of its types, and written as our
+/// messages are.
+fn in_our_words(why: &str) -> String {
+    let why = match why.split_once(": ") {
+        Some((start, rest)) if start.starts_with("Format error decoding") => rest,
+        _ => why,
+    };
+    let why = why.trim_matches('"');
+    if why.contains("Not enough bytes") {
+        return "unexpected end of file".to_owned();
+    }
+    let why = why.replace(". Reason:", ": ").replace("stream. ", "stream: ");
+    let mut rest = why.as_str();
+    let mut words = String::new();
+    while let Some((before, chunk)) = rest.split_once("ChunkType { type: ") {
+        let (kind, after) = chunk.split_once('}').unwrap_or((chunk, ""));
+        words += before;
+        words += kind.split(',').next().unwrap_or(kind);
+        rest = after;
+    }
+    words += rest;
+    let words = words.trim_end_matches('.').to_owned();
+    let mut chars = words.chars();
+    match (chars.next(), chars.as_str()) {
+        // "IDAT" and "CRC" stay.
+        (Some(first), rest) if rest.starts_with(char::is_lowercase) => {
+            format!("{}{rest}", first.to_lowercase())
+        }
+        _ => words,
+    }
 }
 
 fn input(message: String) -> Diagnostic {

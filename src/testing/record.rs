@@ -6,7 +6,10 @@ use super::{
     RenderedFile,
     snapshot::{GRID, Look},
 };
-use crate::parameters::{Parameters, unquoted};
+use crate::{
+    diag::on_one_line,
+    parameters::{Parameters, unquoted},
+};
 
 const HEAD: &str = "rtscript snapshot 1";
 
@@ -134,7 +137,7 @@ impl Snapshot {
             } else {
                 snapshot.read(line)
             };
-            read.ok_or_else(|| (number, format!("'{line}' is no line of a snapshot")))?;
+            read.ok_or_else(|| (number, on_one_line(format!("'{line}' is no line of a snapshot"))))?;
         }
         if snapshot.hash.is_empty() {
             return Err((1, "there is no line 'hash'".to_owned()));
