@@ -55,8 +55,22 @@ use link::{Caller, Remote, StopOnDrop};
 use session::{Running, Source, State, Watch};
 use value::ScriptError;
 
-/// Stack of the script's thread. Rhai walks its syntax tree by recursion, and drops chains of closures so.
-const STACK_BYTES: usize = 256 << 20;
+/// Bytes of stack for each level of arrays and maps in one another. Printing and comparing them take most: 2 KB, measured.
+const STACK_PER_LEVEL: usize = 4 << 10;
+
+/// Stack of a script's thread: address space, of which only what is used becomes memory. Rhai walks its syntax tree by
+/// recursion, and values that are nested, of which it counts the elements in all: that bounds their depth. Where it does
+/// so too generously, time does: each level is measured with all those below it, so half a million levels take longer
+/// than the default limit on time.
+fn stack_bytes(limits: &Limits) -> usize {
+    let most = if cfg!(target_pointer_width = "64") {
+        1 << 30
+    } else {
+        256 << 20
+    };
+    let levels = limits.array_len.saturating_add(limits.map_len);
+    levels.saturating_mul(STACK_PER_LEVEL).clamp(64 << 20, most)
+}
 
 /// Whether there are threads: none in the browser's sandbox (wasm32-unknown-unknown).
 const HAS_THREADS: bool = !cfg!(target_family = "wasm");
@@ -104,7 +118,7 @@ impl Script {
             );
             return Err(Diagnostic::error(ErrorKind::Limit, message).at(name, 0, 0).into());
         }
-        let compiled = on_deep_stack(|| engine::compile(&source.text, limits, language))
+        let compiled = on_deep_stack(limits, || engine::compile(&source.text, limits, language))
             .map_err(|what| internal(name, &what))?
             .map_err(|e| internal(name, &e.message))?;
         match compiled {
@@ -125,7 +139,7 @@ impl Script {
                     ast: None,
                 };
                 let mut error = Error::from(errors::of_parse(&e, name, &context));
-                let more = on_deep_stack(|| recover::further_errors(&e, &source, limits, language));
+                let more = on_deep_stack(limits, || recover::further_errors(&e, &source, limits, language));
                 error.more = more.map_err(|what| internal(name, &what))?;
                 Err(error)
             }
@@ -220,7 +234,7 @@ impl Script {
             let guard = StopOnDrop(Arc::clone(&stop));
             let script = thread::Builder::new()
                 .name("rtscript script".to_owned())
-                .stack_size(STACK_BYTES)
+                .stack_size(stack_bytes(&self.limits))
                 .spawn_scoped(scope, move || {
                     catch_unwind(AssertUnwindSafe(|| self.evaluate(remote, options, watch)))
                 })
@@ -385,7 +399,7 @@ fn for_the_stack(limits: &Limits) -> Limits {
 }
 
 /// Runs `f` on a thread with a deep stack; without threads (wasm32-unknown-unknown), on this one.
-fn on_deep_stack<T: Send>(f: impl FnOnce() -> T + Send) -> Result<T, String> {
+fn on_deep_stack<T: Send>(limits: &Limits, f: impl FnOnce() -> T + Send) -> Result<T, String> {
     let guarded = || catch_unwind(AssertUnwindSafe(f));
     let result = if !HAS_THREADS {
         guarded()
@@ -393,7 +407,7 @@ fn on_deep_stack<T: Send>(f: impl FnOnce() -> T + Send) -> Result<T, String> {
         thread::scope(|scope| {
             let spawned = thread::Builder::new()
                 .name("rtscript reader".to_owned())
-                .stack_size(STACK_BYTES)
+                .stack_size(stack_bytes(limits))
                 .spawn_scoped(scope, guarded)
                 .map_err(|e| format!("cannot start the script's thread: {e}"))?;
             Ok::<_, String>(match spawned.join() {

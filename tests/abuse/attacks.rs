@@ -11,7 +11,7 @@ use rtscript::{ErrorKind, Limits, MemoryHost};
 use crate::{first_line, run, settle};
 
 /// Steps a run may take here.
-const OPERATIONS: u64 = 60_000;
+const OPERATIONS: u64 = 20_000;
 
 /// The text with its repetitions written out. Lines of repetitions are joined without an end of line.
 fn written_out(text: &str) -> String {

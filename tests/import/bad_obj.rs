@@ -130,7 +130,7 @@ fn limits_hold_for_files_too() {
     assert_eq!(limited(&limits), (ErrorKind::Limit, wanted.to_owned()));
     limits = Limits::default();
     limits.file_bytes = 30;
-    let wanted = "error: 'a.obj' is larger than the limit of 30 bytes for one file";
+    let wanted = "error: 'a.obj' is too large: the limit 'file_bytes' is 30";
     assert_eq!(limited(&limits), (ErrorKind::Limit, wanted.to_owned()));
 }
 

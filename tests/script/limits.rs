@@ -242,7 +242,9 @@ fn no_arguments_are_a_fault_of_the_program() {
                     )
                 })
                 .collect();
-            let script = Script::compile("scene.rhai", &calls, &Limits::untrusted()).unwrap();
+            let mut limits = Limits::untrusted();
+            limits.closures = true;
+            let script = Script::compile("scene.rhai", &calls, &limits).unwrap();
             if let Err(e) = script.run(&Notes::default(), &options)
                 && !matches!(e.kind(), Limit)
             {
