@@ -1,5 +1,11 @@
 //! Runs a script of a stranger, as a program does that has nothing else to lose: `benches/abuse.py` runs many.
 
+#![allow(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a program tells what happened"
+)]
+
 use std::{env, fs, process::ExitCode};
 
 use rtscript::{DirHost, Error, Limits, RenderOptions, RunOptions, Script, meter::Meter, render};

@@ -2,7 +2,7 @@
 
 use super::{RenderOptions, interrupt::Interrupt, tiles, world::World};
 use crate::{
-    diag::Diagnostic,
+    diag::Error,
     host::{Host, HostError},
     scene::Settings,
 };
@@ -23,7 +23,7 @@ pub(super) fn show(
     options: &RenderOptions,
     host: &dyn Host,
     interrupt: &Interrupt<'_>,
-) -> Result<(), Diagnostic> {
+) -> Result<(), Error> {
     // Their rays are not counted: with them and without, the picture is the same, and so is whether there is one.
     let options = &RenderOptions {
         rays: None,

@@ -25,7 +25,7 @@ use super::{
 };
 use crate::{
     color::Color,
-    diag::{Diagnostic, ErrorKind},
+    diag::{Diagnostic, Error, ErrorKind},
     host::Host,
     scene::{CameraFrame, Settings},
 };
@@ -46,7 +46,7 @@ pub(super) fn trace(
     options: &RenderOptions,
     host: &dyn Host,
     interrupt: &Interrupt<'_>,
-) -> Result<(Image, Counts), Diagnostic> {
+) -> Result<(Image, Counts), Error> {
     let total = u64::from(s.width) * u64::from(s.height);
     let frame = world.scene.camera.frame(s.width, s.height);
     let progress = Mutex::new(Progress {
@@ -126,7 +126,7 @@ pub(super) fn trace(
         }
     });
     if interrupt.is_stopped() {
-        return Err(interrupt.reason());
+        return Err(interrupt.reason().into());
     }
     let (pixels, counts) = finished
         .into_inner()

@@ -98,11 +98,7 @@ impl Cells {
 
 /// Called for every variable that a script reads, writes or shares. The first to see one that was shared just now, when
 /// no closure has its cell yet, gives it a cell of this run.
-#[expect(
-    clippy::unnecessary_wraps,
-    clippy::needless_pass_by_value,
-    reason = "what Rhai calls"
-)]
+#[expect(clippy::unnecessary_wraps, reason = "what Rhai calls")]
 #[inline]
 pub(super) fn on_variable(
     name: &str,
