@@ -80,7 +80,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     });
 
     let host = MemoryHost::new().with("style.rhai", STYLE).with("card.obj", CARD);
-    let script = Script::compile_in(&language, "report", SCRIPT, &Limits::untrusted())?;
+    // The script may be anybody's, but it may import what the program has for it.
+    let mut limits = Limits::untrusted();
+    limits.modules = 4;
+    let script = Script::compile_in(&language, "report", SCRIPT, &limits)?;
     let run = script.run(&host, &RunOptions::default())?;
     let rendered = render(&run.value.scene, &RenderOptions::default(), &host)?;
     let picture = std::env::args().nth(1);

@@ -8,7 +8,7 @@
 use std::{error::Error, path::Path, sync::Arc};
 
 use rtscript::{
-    Builder, DVec3, NoHost, RenderOptions, Term,
+    Builder, DVec3, Material, NoHost, RenderOptions, Term,
     math::{Bounds3, DVec2, Ray, cos, sin},
     output, render,
     scene::{Camera, CustomReflectance, CustomTexture, ShadingPoint, Texture},
@@ -158,12 +158,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     }))?;
     b.pop_transform()?;
 
-    let mut glass = rtscript::Material::default();
-    glass.ambient = Term::BLACK;
-    glass.specular = Term::color(DVec3::splat(0.3));
-    glass.shininess = 200.0;
-    glass.reflection = Some(Term::color(DVec3::splat(0.08)));
-    glass.transmission = Term::color(DVec3::new(0.9, 0.95, 0.95));
+    let glass = Material {
+        ambient: Term::BLACK,
+        specular: Term::color(DVec3::splat(0.3)),
+        shininess: 200.0,
+        reflection: Some(Term::color(DVec3::splat(0.08))),
+        transmission: Term::color(DVec3::new(0.9, 0.95, 0.95)),
+        ..Material::default()
+    };
     b.set_material(glass);
     b.sphere(DVec3::new(1.1, -0.1, 0.9), 0.9)?;
 

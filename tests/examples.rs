@@ -8,23 +8,26 @@ use std::{
     process::{Command, Stdio},
 };
 
-/// Where cargo puts examples, beside the tests.
+/// An example, built as these tests are: `cargo test --test examples` alone builds none.
 fn program(name: &str) -> PathBuf {
     let test = env::current_exe().unwrap();
     let built = test.parent().and_then(Path::parent).unwrap();
-    let program = built
-        .join("examples")
-        .join(format!("{name}{}", env::consts::EXE_SUFFIX));
-    // `cargo test` builds them; `cargo test --test examples` does not.
-    if !program.exists() {
-        let target = built.parent().unwrap();
-        let mut cargo = Command::new(env!("CARGO"));
-        cargo
-            .args(["build", "--locked", "--example", name, "--target-dir"])
-            .arg(target);
-        assert!(cargo.status().unwrap().success());
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.args(["build", "--quiet", "--locked", "--example", name, "--target-dir"]);
+    cargo.arg(built.parent().unwrap());
+    if built.ends_with("release") {
+        cargo.arg("--release");
     }
-    program
+    assert!(
+        cargo
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .status()
+            .unwrap()
+            .success()
+    );
+    built
+        .join("examples")
+        .join(format!("{name}{}", env::consts::EXE_SUFFIX))
 }
 
 /// Runs an example and returns the last line that it prints.
