@@ -21,11 +21,14 @@ use std::{
 };
 
 use common::{GOOD, HOSTILE, fresh, percentile};
-use rtscript::{ErrorKind, Image, MemoryHost, output};
+use rtscript::{ErrorKind, Image, MemoryHost, meter::Meter, output};
 use thumbnails::{
     Config,
     work::{JobHost, Request, thumbnail},
 };
+
+#[global_allocator]
+static ALLOCATOR: Meter = Meter::new();
 
 /// Scripts between two looks at the process, when nothing runs.
 const BATCH: usize = 100;

@@ -3,9 +3,13 @@
 
 use std::{error::Error, sync::Arc};
 
-use rtscript::{MemoryHost, NoHost, RunOptions, Script, output};
+use rtscript::{MemoryHost, NoHost, RunOptions, Script, meter::Meter, output};
 use thumbnails::{Config, http, work::Service};
 use tokio::{net::TcpListener, runtime, signal};
+
+/// Counts what each script holds, so that the limit `script_memory` counts.
+#[global_allocator]
+static ALLOCATOR: Meter = Meter::new();
 
 fn main() -> Result<(), Box<dyn Error>> {
     let address = std::env::args().nth(1);

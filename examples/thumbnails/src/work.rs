@@ -11,7 +11,7 @@ use std::{
 };
 
 use rtscript::{
-    Error, ErrorKind, Host, HostError, Image, MemoryHost, RunOptions, Script,
+    Error, ErrorKind, Host, HostError, Image, MemoryHost, RenderOptions, RunOptions, Script,
     output::{Format, encode},
     render,
 };
@@ -150,6 +150,7 @@ impl Service {
 pub fn thumbnail(request: &Request, config: &Config, host: &dyn Host) -> Result<Image, Error> {
     let mut options = RunOptions::default();
     options.size = Some(request.size);
+    options.render = RenderOptions::default().within(&config.limits);
     let script = Script::compile("script", &request.script, &config.limits)?;
     let mut run = script.run(host, &options)?.value;
     if let Some(last) = run.pictures.pop() {

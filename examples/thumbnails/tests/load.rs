@@ -13,9 +13,12 @@ use std::{
 };
 
 use common::{GOOD, HOSTILE, fresh, percentile};
-use rtscript::{Image, MemoryHost, output};
+use rtscript::{Image, MemoryHost, meter::Meter, output};
 use thumbnails::{Config, http, work::Service};
 use tokio::runtime;
+
+#[global_allocator]
+static ALLOCATOR: Meter = Meter::new();
 
 /// Starts a service that lives as long as the test.
 fn serve(config: Config) -> SocketAddr {

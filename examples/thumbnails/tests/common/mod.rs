@@ -12,8 +12,8 @@ macro_rules! scripts {
 pub const GOOD: [(&str, &str); 5] = scripts!("good": "balls" "glass" "hills" "marble" "soft");
 
 /// What wants more than it is given: each ends at a limit, or at the deadline.
-pub const HOSTILE: [(&str, &str); 18] = scripts!("hostile":
-    "arrays" "caught" "copies" "crowd" "doubling" "endless" "frames" "giant" "lights" "million" "mirrors" "nonsense"
+pub const HOSTILE: [(&str, &str); 21] = scripts!("hostile":
+    "arrays" "caught" "chain" "copies" "crowd" "doubling" "endless" "frames" "giant" "hoard" "levels" "lights" "million" "mirrors" "nonsense"
     "outside" "print" "recursion" "strings" "throw" "unclosed");
 
 /// A script that the service has not seen, with the same picture.
