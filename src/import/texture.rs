@@ -34,6 +34,13 @@ pub(super) fn decode(name: &str, bytes: &[u8], limits: &Limits) -> Result<ImageT
     if format == ImageFormat::Jpeg && is_cut_off(bytes) {
         return Err(damaged(name, format, "it ends too early"));
     }
+    if format == ImageFormat::Png
+        && let Some(length) = palette_length(bytes)
+        && length % 3 != 0
+    {
+        let why = format!("its palette has {length} bytes, which is no multiple of 3");
+        return Err(damaged(name, format, &why));
+    }
     // Decoders are where a malformed file is most likely to find a hole.
     let decoded = panic::catch_unwind(|| decode_as(format, bytes, limits));
     let picture = match decoded {
@@ -76,6 +83,24 @@ fn is_cut_off(jpeg: &[u8]) -> bool {
     scan.is_some() && end < scan
 }
 
+/// The bytes that the palette before the picture's data says it has. The decoder takes three at a time and panics at the
+/// end of one that is no multiple of 3.
+fn palette_length(png: &[u8]) -> Option<u32> {
+    const SIGNATURE: usize = 8;
+    // Length and kind before the data, a checksum after it.
+    const AROUND: usize = 12;
+    let mut rest = png.get(SIGNATURE..)?;
+    loop {
+        let (length, after) = rest.split_first_chunk()?;
+        let length = u32::from_be_bytes(*length);
+        match after.first_chunk()? {
+            b"PLTE" => return Some(length),
+            b"IDAT" => return None,
+            _ => rest = rest.get(AROUND.checked_add(usize::try_from(length).ok()?)?..)?,
+        }
+    }
+}
+
 /// Which of the two limits it was, told by the picture's size.
 fn too_large(name: &str, format: ImageFormat, bytes: &[u8], limits: &Limits) -> Diagnostic {
     let size = panic::catch_unwind(|| ImageReader::with_format(Cursor::new(bytes), format).into_dimensions());
@@ -114,9 +139,11 @@ fn in_our_words(why: &str) -> String {
     let mut rest = why.as_str();
     let mut words = String::new();
     while let Some((before, chunk)) = rest.split_once("ChunkType { type: ") {
-        let (kind, after) = chunk.split_once('}').unwrap_or((chunk, ""));
+        // A kind that is no letters is written with braces and commas of its own.
+        let (kind, after) = chunk.split_once(", critical").unwrap_or((chunk, ""));
+        let after = after.split_once(" }").map_or("", |(_, after)| after);
         words += before;
-        words += kind.split(',').next().unwrap_or(kind);
+        words += kind;
         rest = after;
     }
     words += rest;
