@@ -2,13 +2,14 @@
 //! the count in place of `#`.
 //!
 //! Here a run has fewer steps than the presets give it, so that the test is quick and what stops a script does not depend
-//! on the machine; `benches/abuse.py` runs the same files with the presets as they are.
+//! on the machine; `benches/abuse.py` runs the same files with the presets as they are. One that begins with `// by time`
+//! takes for ever in so few steps and rays that only the time of the render ends it.
 
-use std::{fs, path::Path};
+use std::{fs, path::Path, time::Duration};
 
-use rtscript::{ErrorKind, Limits, MemoryHost};
+use rtscript::MemoryHost;
 
-use crate::{first_line, run, settle};
+use crate::{outcome, presets, settle};
 
 /// Steps a run may take here.
 const OPERATIONS: u64 = 20_000;
@@ -38,26 +39,21 @@ fn every_attack_ends_with_what_stopped_it() {
     assert!(files.len() > 90, "{} attacks", files.len());
     let host = MemoryHost::new().with("self.rhai", "import \"self\" as s;");
     let mut text = String::new();
-    for (preset, limits) in [("default", Limits::default()), ("untrusted", Limits::untrusted())] {
-        let mut limits = limits;
-        limits.operations = OPERATIONS;
-        limits.script_memory = limits.script_memory.min(32 << 20);
-        // A debug build under load is slow; what is at stake is which count ends the script.
-        limits.compile_time *= 10;
-        limits.script_time *= 100;
-        limits.rays = limits.rays.or(Some(1_000_000)).map(|rays| rays.min(1_000_000));
-        limits.pictures = limits.pictures.min(20);
+    for (preset, limits) in presets() {
         for file in &files {
             let name = file.file_stem().unwrap().to_string_lossy();
             let script = written_out(&fs::read_to_string(file).unwrap());
-            let line = match run(&script, &limits, &host) {
-                Ok(_) => "runs to its end".to_owned(),
-                Err(error) => {
-                    assert_ne!(error.kind(), ErrorKind::Internal, "{name}: {error}");
-                    assert!(error.to_string().len() < 20_000, "{name}: a long error");
-                    first_line(&error).chars().take(200).collect()
-                }
-            };
+            let mut limits = limits.clone();
+            if script.starts_with("// by time") {
+                limits.render_time = Some(Duration::from_secs(1));
+            } else {
+                limits.operations = OPERATIONS;
+                limits.script_memory = limits.script_memory.min(32 << 20);
+                limits.rays = limits.rays.or(Some(1_000_000)).map(|rays| rays.min(1_000_000));
+                limits.render_time = limits.render_time.map(|time| time * 100);
+                limits.pictures = limits.pictures.min(20);
+            }
+            let line = outcome(&name, &script, &limits, &host);
             text += &format!("{preset:9} {name:26} {line}\n");
         }
     }
