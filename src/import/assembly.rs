@@ -17,6 +17,8 @@ use crate::{
 
 /// Corners between two questions whether to stop.
 const CORNERS_PER_QUESTION: usize = 1 << 14;
+/// Corners of a face that takes longer to cut into triangles than a question.
+const MANY_CORNERS: usize = 64;
 
 /// The mesh of a checked file, its materials being places among the names that `usemtl` gives.
 ///
@@ -54,7 +56,7 @@ pub(super) fn mesh<'a>(
     let mut face_materials = Vec::new();
     let (mut start, mut question) = (0, 0);
     for face in &checked.faces {
-        if face.end >= question {
+        if face.end >= question || face.end - start > MANY_CORNERS {
             assets.check_stop()?;
             question = face.end + CORNERS_PER_QUESTION;
         }

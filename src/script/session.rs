@@ -122,6 +122,8 @@ pub(crate) struct State {
     printed: usize,
     /// What ended the run.
     pub(crate) ended: Option<Box<ScriptError>>,
+    /// Since the run began.
+    clock: Clock,
     /// Time spent rendering, which does not count as the script's.
     pub(crate) rendering: Duration,
     /// What its pictures took of the limits on renders.
@@ -167,9 +169,23 @@ impl State {
             assets: AssetCache::keeping(options.assets.clone()),
             printed: 0,
             ended: None,
+            clock: Clock::start(),
             rendering: Duration::ZERO,
             spent: Spent::default(),
         }
+    }
+
+    /// What is left of the time that the script may run.
+    pub(crate) fn time_left(&self) -> Duration {
+        let spent = self.clock.elapsed().saturating_sub(self.rendering);
+        self.limits.script_time.saturating_sub(spent)
+    }
+
+    /// The error where nothing is left of it.
+    #[cold]
+    pub(crate) fn too_long(&self) -> Box<ScriptError> {
+        let value = format!("{:?}", self.limits.script_time);
+        limit("the script runs too long", "script_time", value)
     }
 
     /// Notes a call of a scene function and where it stands.
@@ -334,7 +350,6 @@ pub(super) fn print(text: &str) {
 /// Steps are counted here: Rhai forgets those of closures that its own functions call.
 pub(super) fn watch(limits: &Limits) -> impl Fn(u64) -> Option<Dynamic> + Send + Sync + 'static {
     let limits = limits.clone();
-    let clock = Clock::start();
     STEPS.with(|steps| {
         steps.plan(0, limits.operations);
         let most = isize::try_from(limits.script_memory).unwrap_or(isize::MAX);
@@ -349,7 +364,7 @@ pub(super) fn watch(limits: &Limits) -> impl Fn(u64) -> Option<Dynamic> + Send +
         if goes_on {
             return None;
         }
-        look(&limits, &clock)
+        look(&limits)
     }
 }
 
@@ -377,19 +392,17 @@ fn holds_too_much() -> bool {
 
 /// Whether the run is to end.
 #[cold]
-fn look(limits: &Limits, clock: &Clock) -> Option<Dynamic> {
+fn look(limits: &Limits) -> Option<Dynamic> {
     let taken = STEPS.with(|steps| steps.until.get() - steps.left.get());
     let ended = with_state(|state| {
         if state.ended.is_none() {
-            let spent = clock.elapsed().saturating_sub(state.rendering);
             state.ended = if taken > limits.operations {
                 let value = limits.operations;
                 Some(limit("the script takes too many steps", "operations", value))
             } else if state.host.should_stop() {
                 Some(ScriptError::of_kind(ErrorKind::Cancelled, "the run was stopped"))
-            } else if spent > limits.script_time {
-                let value = format!("{:?}", limits.script_time);
-                Some(limit("the script runs too long", "script_time", value))
+            } else if state.time_left().is_zero() {
+                Some(state.too_long())
             } else if holds_too_much() {
                 let value = limits.script_memory;
                 Some(limit(

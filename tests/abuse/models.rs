@@ -4,9 +4,9 @@
 
 use std::{f64::consts::TAU, fmt::Write as _, fs, path::Path, process::Command};
 
-use rtscript::math;
+use rtscript::{Limits, MemoryHost, math};
 
-use crate::{empty_folder, settle_files};
+use crate::{empty_folder, outcome, settle_files};
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
@@ -162,4 +162,18 @@ fn every_model_ends_with_what_stopped_it() {
     let scripts = put_all(&folder);
     assert!(scripts.len() >= 50, "{} models", scripts.len());
     settle_files("models.txt", &folder, &scripts);
+}
+
+/// Reading a model is one step of the script, and may take minutes: it ends when the script's time does.
+#[test]
+fn the_time_of_a_script_ends_a_model_too() {
+    let mut limits = Limits::untrusted();
+    limits.script_time = std::time::Duration::from_nanos(1);
+    let model = spiral(1_000) + face(1_000).as_str();
+    let host = MemoryHost::new().with("a.obj", model);
+    assert_eq!(outcome("", "let a = 1;", &limits, &host), "runs to its end");
+    assert_eq!(
+        outcome("", "\nmesh(\"a.obj\");", &limits, &host),
+        "scene.rhai:2:1: error: the script runs too long: the limit 'script_time' is 1ns"
+    );
 }
