@@ -163,7 +163,7 @@ fn dot(a: [F4; 3], b: [F4; 3]) -> F4 {
 mod tests {
     use super::*;
     use crate::{
-        accel::ray::Ray32,
+        accel::{cases, ray::Ray32},
         math::{Ray, max_abs, rotation},
         shape::{Crossings, Cuboid, Shape},
     };
@@ -180,7 +180,7 @@ mod tests {
     fn what_f64_hits_is_never_dropped_and_what_is_certain_is_hit() {
         let mut next = crate::accel::random(11);
         let (mut hits, mut certain, mut dropped, mut inside) = (0, 0, 0, 0);
-        for round in 0..200_000 {
+        for round in 0..cases(200_000) {
             let scale = [1.0, 1e-6, 1e6, 1e-12, 1e9][round % 5];
             let mut number = || 2.0 * next() - 1.0;
             let mut vector = || DVec3::new(number(), number(), number());
@@ -247,16 +247,19 @@ mod tests {
                 hits += 1;
                 assert_ne!(found.possible, 0, "{}", case());
                 assert!(f64::from(found.t[0][2]) <= t, "{}", case());
-                inside += u32::from(crossings.as_slice()[0].t < 0.0);
+                inside += usize::from(crossings.as_slice()[0].t < 0.0);
             }
             if found.certain != 0 {
                 certain += 1;
                 assert!(first.is_some_and(|t| t <= f64::from(found.t[1][2])), "{}", case());
             }
-            dropped += u32::from(found.possible == 0);
+            dropped += usize::from(found.possible == 0);
         }
         assert!(
-            hits > 90_000 && certain > 20_000 && dropped > 20_000 && inside > 10_000,
+            hits > cases(90_000)
+                && certain > cases(20_000)
+                && dropped > cases(20_000)
+                && inside > cases(10_000),
             "{hits} {certain} {dropped} {inside}"
         );
     }

@@ -30,6 +30,13 @@ pub use ray::{Ray32, RayBlock, RayBox, RayCuboid, RaySphere};
 pub use shaft::Shaft;
 pub use traverse::{Control, Visitor};
 
+/// How often a test looks, or at how much: `n`. Under Miri, which takes thousands of times as long, one in 400, though
+/// not fewer than ten.
+#[cfg(test)]
+pub fn cases(n: usize) -> usize {
+    if cfg!(miri) { n.min((n / 400).max(10)) } else { n }
+}
+
 /// Numbers in [0, 1) for tests, from the generator of Knuth's MMIX.
 #[cfg(test)]
 fn random(mut state: u64) -> impl FnMut() -> f64 {

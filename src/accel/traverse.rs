@@ -292,7 +292,7 @@ fn prefetch_child(child: Child, nodes: (*const u8, usize), blocks: (*const u8, u
 mod tests {
     use super::*;
     use crate::{
-        accel::{BLOCK, Box32, Kinds, LeafKind, NONE, Primitive, ray::Ray32},
+        accel::{BLOCK, Box32, Kinds, LeafKind, NONE, Primitive, cases, ray::Ray32},
         math::{Bounds3, DVec3, Ray},
     };
 
@@ -370,7 +370,7 @@ mod tests {
 
     #[test]
     fn every_box_a_ray_enters_is_visited() {
-        for n in [1, 2, 7, 100, 5000] {
+        for n in [1, 2, 7, 100, 5000].map(cases) {
             let boxes = boxes(n);
             for kinds in [(0, 0), (n, 0), (n / 3, n / 3)] {
                 let kinds = Kinds {
@@ -378,8 +378,8 @@ mod tests {
                     spheres: kinds.1,
                 };
                 let (bvh, blocks) = build(&boxes, kinds);
-                for i in 0..100u32 {
-                    let angle = f64::from(i);
+                for i in 0..cases(100) {
+                    let angle = i as f64;
                     let dir = DVec3::new(crate::math::sin(angle), crate::math::cos(angle * 1.3), 0.3);
                     let ray = Ray::new(DVec3::new(0.1, -0.2, 0.05) - dir * 3.0, dir);
                     for simd in Simd::all() {
@@ -396,12 +396,12 @@ mod tests {
 
     #[test]
     fn equal_centers_neither_recurse_nor_loop() {
-        let boxes = vec![Bounds3::new(DVec3::ZERO, DVec3::ONE); 100_000];
+        let boxes = vec![Bounds3::new(DVec3::ZERO, DVec3::ONE); cases(100_000)];
         let (bvh, blocks) = build(
             &boxes,
             Kinds {
-                triangles: 30_000,
-                spheres: 30_000,
+                triangles: cases(30_000),
+                spheres: cases(30_000),
             },
         );
         let ray = Ray::new(DVec3::splat(0.5), DVec3::X);
@@ -409,7 +409,7 @@ mod tests {
             assert!(
                 visited::<false>(&bvh, &blocks, &ray, simd)
                     .into_iter()
-                    .eq(0..100_000)
+                    .eq(0..cases(100_000) as u32)
             );
         }
     }

@@ -1,10 +1,14 @@
 use super::*;
-use crate::math::{Bounds3, DVec3};
+use crate::{
+    accel::cases,
+    math::{Bounds3, DVec3},
+};
 
 /// Boxes of very different sizes.
-fn primitives(n: u32) -> Vec<Primitive> {
+fn primitives(n: usize) -> Vec<Primitive> {
     let mut next = crate::accel::random(3);
-    (0..n)
+    (0..)
+        .take(n)
         .map(|index| {
             let p = DVec3::new(next(), next(), next());
             let size = DVec3::new(next(), next(), next()) * next() * next() * 0.1;
@@ -40,10 +44,10 @@ fn walk(bvh: &Bvh, node: usize, leaf: &mut impl FnMut(Child, &Box32)) -> Box32 {
 
 #[test]
 fn every_primitive_stands_in_one_leaf_and_threads_do_not_matter() {
-    for n in [1, 4, 5, 9, 4096, 4097, 200_000u32] {
+    for n in [1, 4, 5, 9, 4096, 4097, 200_000].map(cases) {
         let kinds = Kinds {
-            triangles: n as usize / 2,
-            spheres: n as usize / 3,
+            triangles: n / 2,
+            spheres: n / 3,
         };
         let with_threads = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new()
@@ -70,7 +74,7 @@ fn every_primitive_stands_in_one_leaf_and_threads_do_not_matter() {
             }
         });
         found.sort_unstable();
-        assert!(found.into_iter().eq(0..n));
+        assert!(found.into_iter().eq(0..n as u32));
         let (other, other_leaves) = with_threads(3);
         assert_eq!(leaves.triangles, other_leaves.triangles);
         assert_eq!(leaves.spheres, other_leaves.spheres);

@@ -306,7 +306,7 @@ mod tests {
         *,
     };
     use crate::{
-        accel::NONE,
+        accel::{NONE, cases},
         math::{DVec3, Ray, max_abs},
         shape::{Sphere, triangle::TriangleRay},
     };
@@ -335,7 +335,7 @@ mod tests {
     fn what_f64_hits_is_never_dropped_and_what_is_certain_lies_between_the_bounds() {
         let mut next = random();
         let (mut hits, mut certain, mut dropped) = (0, 0, 0);
-        for round in 0..60_000 {
+        for round in 0..cases(60_000) {
             let scale = [1.0, 1e-3, 1e-5, 1e3, 1e8][round % 5];
             let size = [0.3, 1e-2, 1e-4, 1e-6][round / 5 % 4];
             let mut vector = |k: f64| DVec3::new(next(), next(), next()) * k;
@@ -382,13 +382,13 @@ mod tests {
                     let between = f64::from(packet.nearest_low[i])..f64::from(packet.bound[i]);
                     assert!(between.contains(&hit.t), "round {round}: {} {between:?}", hit.t);
                 }
-                hits += u32::from(hit.is_some());
-                certain += u32::from(sure);
-                dropped += u32::from(!possible);
+                hits += usize::from(hit.is_some());
+                certain += usize::from(sure);
+                dropped += usize::from(!possible);
             }
         }
         assert!(
-            hits > 100_000 && certain > 30_000 && dropped > 30_000,
+            hits > cases(100_000) && certain > cases(30_000) && dropped > cases(30_000),
             "{hits} {certain} {dropped}"
         );
     }
@@ -397,7 +397,7 @@ mod tests {
     fn no_sphere_that_f64_hits_is_dropped() {
         let mut next = random();
         let (mut hits, mut dropped) = (0, 0);
-        for round in 0..40_000 {
+        for round in 0..cases(40_000) {
             let scale = [1.0, 1e-4, 1e6][round % 3];
             let mut vector = |k: f64| DVec3::new(next(), next(), next()) * k;
             let (center, origin) = (vector(scale), vector(3.0 * scale));
@@ -423,10 +423,10 @@ mod tests {
                 let hit = Sphere::roots(center, radius, ray).is_some_and(|(_, t1)| t1 > 0.0);
                 let possible = possible >> i & 1 == 1;
                 assert!(possible || !hit, "round {round}: {ray:?} {center} {radius}");
-                hits += u32::from(hit);
-                dropped += u32::from(!possible);
+                hits += usize::from(hit);
+                dropped += usize::from(!possible);
             }
         }
-        assert!(hits > 50_000 && dropped > 5_000, "{hits} {dropped}");
+        assert!(hits > cases(50_000) && dropped > cases(5_000), "{hits} {dropped}");
     }
 }
