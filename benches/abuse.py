@@ -1,5 +1,6 @@
-"""Runs every attack of tests/abuse/attacks as a process of its own and writes docs/abuse.md.
+"""Runs every attack of tests/abuse as a process of its own and writes docs/abuse.md.
 
+    cargo test --test abuse   # makes the models and pictures
     cargo build; cargo build --release
     cargo build --example attack; cargo build --release --example attack
     python3 benches/abuse.py [--default]
@@ -19,6 +20,8 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 ATTACKS = ROOT / "tests/abuse/attacks"
+# Written by the tests, each file with a script that reads it.
+FILES = ROOT / "target/tmp/abuse"
 MOST_SECONDS = 150
 DEFAULT = "default limits"
 # An abort by lack of address space would be found too.
@@ -90,18 +93,25 @@ def main():
             ways[DEFAULT] = ["target/release/rtscript", "-o", picture]
         # What was not built is left out.
         ways = {way: command for way, command in ways.items() if (ROOT / command[0]).exists()}
-        rows, faults = [], []
-        for attack in sorted(ATTACKS.glob("*.rhai")):
-            script = folder / "scene.rhai"
-            script.write_text(written_out(attack.read_text()))
+        faults = []
+
+        def attacked(name, script):
             results = {}
             for way, (program, *arguments) in ways.items():
                 status, seconds, memory, text = run([ROOT / program, *arguments, script])
                 if status not in (0, 1, 3, 5, 6):
-                    faults.append(f"{attack.stem}, {way}: status {status}: {text[:300]}")
+                    faults.append(f"{name}, {way}: status {status}: {text[:300]}")
                 results[way] = (seconds, memory, message(text))
-            rows.append((attack.stem, results))
-            print(attack.stem, *(f"{s:.1f}s {m:.0f}M" for s, m, _ in results.values()), flush=True)
+            print(name, *(f"{s:.1f}s {m:.0f}M" for s, m, _ in results.values()), flush=True)
+            return name, results
+
+        rows = {"Scripts": [], "Models": [], "Pictures": []}
+        script = folder / "scene.rhai"
+        for attack in sorted(ATTACKS.glob("*.rhai")):
+            script.write_text(written_out(attack.read_text()))
+            rows["Scripts"].append(attacked(attack.stem, script))
+        for kind in ("Models", "Pictures"):
+            rows[kind] = [attacked(file.stem, file) for file in sorted((FILES / kind.lower()).glob("*.rhai"))]
         (ROOT / "docs/abuse.md").write_text(page(ways, rows))
     for fault in faults:
         print(fault, file=sys.stderr)
@@ -110,30 +120,34 @@ def main():
 
 def page(ways, rows):
     strangers = [way for way in ways if way != DEFAULT]
-    worst = {way: (max(r[way][0] for _, r in rows), max(r[way][1] for _, r in rows)) for way in ways}
+    every = [results for of_kind in rows.values() for _, results in of_kind]
+    worst = {way: (max(r[way][0] for r in every), max(r[way][1] for r in every)) for way in ways}
     lines = [
         "# What stopped each attack",
         "",
-        "The scripts of `tests/abuse/attacks/`, each run as a process of its own with the limits as they are, written by",
-        "`benches/abuse.py`. No process aborted, panicked or had to be killed. Seconds are of wall clock on two cores that",
-        "other work was using too, start of the process included; memory is the peak of the whole process, some 10 MiB of",
-        "which is the program.",
+        "The scripts of `tests/abuse/attacks/`, and the models and pictures that `tests/abuse/` has or makes, each run as a",
+        "process of its own with the limits as they are, written by `benches/abuse.py`. No process aborted, panicked or had",
+        "to be killed. Seconds are of wall clock on two cores that other work was using too (loaded), start of the process",
+        "included; memory is the peak of the whole process, some 10 MiB of which is the program.",
         "",
         "| | longest | most memory |",
         "|---|---|---|",
         *(f"| {way} | {seconds:.1f} s | {memory:.0f} MiB |" for way, (seconds, memory) in worst.items()),
-        "",
-        "## Limits for strangers",
-        "",
-        "`Limits::untrusted()`; seconds and MiB by command and library, in release builds unless it says debug.",
-        "",
-        "| attack | limit | " + " | ".join(strangers) + " | message |",
-        "|---|---|" + "---|" * len(strangers) + "---|",
     ]
-    for name, results in rows:
-        cells = " | ".join(f"{results[way][0]:.2f} s, {results[way][1]:.0f}" for way in strangers)
-        text = results[strangers[0]][2]
-        lines.append(f"| {name} | {limit_of(text)} | {cells} | {escaped(text)} |")
+    for kind, of_kind in rows.items():
+        lines += [
+            "",
+            f"## {kind} under the limits for strangers",
+            "",
+            "`Limits::untrusted()`; seconds and MiB by command and library, in release builds unless it says debug.",
+            "",
+            "| attack | limit | " + " | ".join(strangers) + " | message |",
+            "|---|---|" + "---|" * len(strangers) + "---|",
+        ]
+        for name, results in of_kind:
+            cells = " | ".join(f"{results[way][0]:.2f} s, {results[way][1]:.0f}" for way in strangers)
+            text = results[strangers[0]][2]
+            lines.append(f"| {name} | {limit_of(text)} | {cells} | {escaped(text)} |")
     if DEFAULT not in ways:
         return "\n".join(lines) + "\n"
     lines += [
@@ -145,7 +159,7 @@ def page(ways, rows):
         "| attack | limit | seconds | MiB | message |",
         "|---|---|---|---|---|",
     ]
-    for name, results in rows:
+    for name, results in (row for of_kind in rows.values() for row in of_kind):
         seconds, memory, text = results[DEFAULT]
         lines.append(f"| {name} | {limit_of(text)} | {seconds:.2f} | {memory:.0f} | {escaped(text)} |")
     return "\n".join(lines) + "\n"

@@ -152,7 +152,7 @@ fn put_all(folder: &Path) -> Vec<(String, String)> {
     names.sort();
     names
         .into_iter()
-        .map(|name| (name.clone(), format!("mesh(\"{name}.obj\");\n")))
+        .map(|name| (name.clone(), format!("mesh(\"{name}.obj\");\nsize(16, 16);\n")))
         .collect()
 }
 

@@ -214,7 +214,10 @@ fn every_picture_ends_with_what_stopped_it() {
     let mut scripts = Vec::new();
     for (name, bytes) in made() {
         fs::write(folder.join(format!("{name}.png")), bytes).unwrap();
-        scripts.push((name.to_owned(), format!("image(\"{name}.png\");\n")));
+        scripts.push((
+            name.to_owned(),
+            format!("image(\"{name}.png\");\nsize(16, 16);\n"),
+        ));
     }
     // As many of the largest as strangers may have, and one more.
     let large = fs::read(folder.join("png-2048.png")).unwrap();
@@ -226,5 +229,12 @@ fn every_picture_ends_with_what_stopped_it() {
     };
     scripts.push(("textures-32".to_owned(), textures(32)));
     scripts.push(("textures-33".to_owned(), textures(33)));
+    // Two pictures as large as they may be, with all shapes, and values of the script nearly as many as it may have.
+    let all = format!(
+        "size(1414, 1414); maxDepth(1);\n{}let a = [];\nfor i in 0..5000 {{ a.push(`${{i}}`.sub_string(0)); }}\n\
+         for i in 0..190000 {{ sphere(i % 500, i / 500, -400, 0.4); }}\nlet p = render();\nlet q = render();\n",
+        textures(32)
+    );
+    scripts.push(("everything-at-once".to_owned(), all));
     settle_files("pictures.txt", &folder, &scripts);
 }
