@@ -3,11 +3,12 @@
     cargo test --test abuse   # makes the models and pictures
     cargo build; cargo build --release
     cargo build --example attack; cargo build --release --example attack
-    python3 benches/abuse.py [--default]
+    python3 benches/abuse.py [--default] [WAY...]   # a way is "library", "command, debug" and so on
 
 Each attack runs by the command (`rtscript --untrusted`) and through the library (`examples/attack.rs`), in a debug and a
 release build, with the limits as `Limits::untrusted()` has them; with `--default`, which takes half an hour more, by the
-release command also with the default ones. A process that aborts, panics, or takes longer than MOST_SECONDS fails the run.
+release command also with the default ones. Two run at a time. A process that aborts, panics, or takes longer than MOST_SECONDS
+fails the run.
 """
 
 import os
@@ -17,6 +18,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 ATTACKS = ROOT / "tests/abuse/attacks"
@@ -82,23 +84,24 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         (folder / "self.rhai").write_text('import "self" as s;')
-        picture = folder / "picture.png"
         ways = {
-            "command, debug": ["target/debug/rtscript", "--untrusted", "-o", picture],
+            "command, debug": ["target/debug/rtscript", "--untrusted", "-o", folder / "picture.png"],
             "library, debug": ["target/debug/examples/attack"],
-            "command": ["target/release/rtscript", "--untrusted", "-o", picture],
+            "command": ["target/release/rtscript", "--untrusted", "-o", folder / "picture.png"],
             "library": ["target/release/examples/attack"],
         }
         if "--default" in sys.argv:
-            ways[DEFAULT] = ["target/release/rtscript", "-o", picture]
-        # What was not built is left out.
-        ways = {way: command for way, command in ways.items() if (ROOT / command[0]).exists()}
+            ways[DEFAULT] = ["target/release/rtscript", "-o", folder / "picture.png"]
+        # What was not built or not asked for is left out.
+        asked = [way for way in sys.argv[1:] if way != "--default"] or ways
+        ways = {way: command for way, command in ways.items() if way in asked and (ROOT / command[0]).exists()}
         faults = []
 
         def attacked(name, script):
             results = {}
-            for way, (program, *arguments) in ways.items():
-                status, seconds, memory, text = run([ROOT / program, *arguments, script])
+            with ThreadPoolExecutor(2) as two:
+                runs = two.map(lambda command: run([ROOT / command[0], *command[1:], script]), ways.values())
+            for way, (status, seconds, memory, text) in zip(ways, runs):
                 if status not in (0, 1, 3, 5, 6):
                     faults.append(f"{name}, {way}: status {status}: {text[:300]}")
                 results[way] = (seconds, memory, message(text))
