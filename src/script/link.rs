@@ -22,7 +22,7 @@ use crate::{
 };
 
 /// How often the host is asked whether to stop while the script keeps to itself.
-const POLL: Duration = Duration::from_millis(10);
+const POLL: Duration = Duration::from_millis(5);
 
 /// What rendering gives.
 pub(crate) type RenderResult = Result<Report<Rendered>, Error>;

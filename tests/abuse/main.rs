@@ -3,7 +3,6 @@
 //! `RTSCRIPT_ACCEPT=1 cargo test --test abuse` writes the expected messages anew.
 
 #![allow(
-    clippy::indexing_slicing,
     clippy::unwrap_used,
     clippy::expect_used,
     clippy::panic,
