@@ -12,7 +12,7 @@ use rtscript::{
     math::{Bounds3, DVec2, Ray, cos, sin},
     output, render,
     scene::{Camera, CustomReflectance, CustomTexture, ShadingPoint, Texture},
-    shape::{Crossings, CustomShape, Disk, Shape, Surface},
+    shape::{CrossingSink, CustomShape, Disk, Shape, Surface},
 };
 
 /// The part of a ball of radius 1 where |sin x cos y + sin y cos z + sin z cos x| <= `thickness`, coordinates times
@@ -55,7 +55,7 @@ impl CustomShape for Gyroid {
 
     // Steps along the line's part in the ball, each root made exact by bisection. The part of the surface is told by
     // number: 0 a wall, 1 the ball.
-    fn crossings(&self, ray: &Ray, out: &mut Crossings) {
+    fn crossings(&self, ray: &Ray, out: &mut dyn CrossingSink) {
         let length = ray.dir.length();
         let nearest = -ray.origin.dot(ray.dir) / (length * length);
         let closest = ray.at(nearest).length();
@@ -80,13 +80,13 @@ impl CustomShape for Gyroid {
                     }
                 }
                 let p = ray.at(high);
-                out.push(high, u8::from(p.length() - 1.0 > self.wall(p).0));
+                out.push(high, u32::from(p.length() - 1.0 > self.wall(p).0));
             }
             i += 1.0;
         }
     }
 
-    fn surface(&self, p: DVec3, part: u8) -> Surface {
+    fn surface(&self, p: DVec3, part: u32) -> Surface {
         Surface {
             normal: if part == 1 { p } else { self.wall(p).1 },
             uv: DVec2::ZERO,

@@ -1,6 +1,6 @@
 //! The closed cone.
 
-use super::{Crossings, Solidity, Surface, cap_uv, positive, span::Span, u_around_y};
+use super::{CrossingSink, Solidity, Surface, cap_uv, positive, span::Span, u_around_y};
 use crate::{
     math::{Bounds3, DVec2, DVec3, Ray},
     scene::SceneError,
@@ -24,8 +24,8 @@ impl Solidity for Cone {
     const SOLID: bool = true;
 }
 
-const SIDE: u8 = 0;
-const BASE: u8 = 1;
+const SIDE: u32 = 0;
+const BASE: u32 = 1;
 
 impl Cone {
     /// A cone with a base of `radius` and full `height` in object units.
@@ -56,7 +56,7 @@ impl Cone {
     }
 
     #[inline]
-    pub(super) fn crossings(&self, ray: &Ray, out: &mut Crossings) {
+    pub(super) fn crossings(&self, ray: &Ray, out: &mut impl CrossingSink) {
         // The slab's upper end is the apex, a point of the side.
         let span = Span::slab(ray.origin.y, ray.dir.y, self.height * 0.5, BASE, SIDE)
             .and_then(|slab| slab.clip(self.inside_side(ray)?));
@@ -111,7 +111,7 @@ impl Cone {
     }
 
     #[inline]
-    pub(super) fn normal(&self, p: DVec3, part: u8) -> DVec3 {
+    pub(super) fn normal(&self, p: DVec3, part: u32) -> DVec3 {
         if part != SIDE {
             return DVec3::NEG_Y;
         }
@@ -124,7 +124,7 @@ impl Cone {
         }
     }
 
-    pub(super) fn surface(&self, p: DVec3, part: u8) -> Surface {
+    pub(super) fn surface(&self, p: DVec3, part: u32) -> Surface {
         Surface {
             normal: self.normal(p, part),
             uv: if part == SIDE {
@@ -138,9 +138,9 @@ impl Cone {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::Crossings, *};
 
-    fn crossings(origin: [f64; 3], dir: [f64; 3]) -> Vec<(f64, u8)> {
+    fn crossings(origin: [f64; 3], dir: [f64; 3]) -> Vec<(f64, u32)> {
         let mut out = Crossings::default();
         Cone::new(1.0, 2.0)
             .unwrap()

@@ -1,6 +1,6 @@
 //! The box (a word Rust keeps for itself).
 
-use super::{Crossings, Solidity, Surface, positive, span::Span};
+use super::{CrossingSink, Solidity, Surface, positive, span::Span};
 use crate::{
     math::{Bounds3, DVec2, DVec3, Ray},
     scene::SceneError,
@@ -50,7 +50,7 @@ impl Cuboid {
     }
 
     #[inline]
-    pub(super) fn crossings(&self, ray: &Ray, out: &mut Crossings) {
+    pub(super) fn crossings(&self, ray: &Ray, out: &mut impl CrossingSink) {
         let (o, d, half) = (ray.origin, ray.dir, self.half);
         let span = Span::slab(o.x, d.x, half.x, 0, 1)
             .and_then(|span| span.clip(Span::slab(o.y, d.y, half.y, 2, 3)?))
@@ -60,7 +60,7 @@ impl Cuboid {
         }
     }
 
-    pub(super) fn surface(&self, p: DVec3, part: u8) -> Surface {
+    pub(super) fn surface(&self, p: DVec3, part: u32) -> Surface {
         let q = p / (self.half * 2.0);
         let (normal, right, up) = match part {
             0 => (DVec3::NEG_X, q.z, q.y),
@@ -80,9 +80,9 @@ impl Cuboid {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::Crossings, *};
 
-    fn crossings(origin: [f64; 3], dir: [f64; 3]) -> Vec<(f64, u8)> {
+    fn crossings(origin: [f64; 3], dir: [f64; 3]) -> Vec<(f64, u32)> {
         let mut out = Crossings::default();
         Cuboid::new(DVec3::splat(2.0))
             .unwrap()
@@ -95,7 +95,7 @@ mod tests {
         for axis in 0..3 {
             let mut dir = [0.0; 3];
             dir[axis] = 2.0;
-            let faces = [2 * axis as u8, 2 * axis as u8 + 1];
+            let faces = [2 * axis as u32, 2 * axis as u32 + 1];
             assert_eq!(crossings([0.0; 3], dir), [(-0.5, faces[0]), (0.5, faces[1])]);
             dir[axis] = -2.0;
             assert_eq!(crossings([0.0; 3], dir), [(-0.5, faces[1]), (0.5, faces[0])]);

@@ -2,7 +2,7 @@
 
 use std::{fmt, sync::Arc};
 
-use super::{Crossings, Shape, Surface};
+use super::{CrossingSink, Shape, Surface};
 use crate::{
     custom::Custom,
     math::{Bounds3, DVec3, Ray},
@@ -17,7 +17,7 @@ use crate::{
 ///
 /// ```
 /// use rtscript::{Builder, DVec3, math::{Bounds3, DVec2, Ray}, render::World};
-/// use rtscript::shape::{Crossings, CustomShape, Shape, Surface};
+/// use rtscript::shape::{CrossingSink, CustomShape, Shape, Surface};
 ///
 /// /// The plane z = 0 within |x| + |y| <= 1.
 /// #[derive(Debug)]
@@ -33,14 +33,14 @@ use crate::{
 ///     fn is_solid(&self) -> bool {
 ///         false
 ///     }
-///     fn crossings(&self, ray: &Ray, out: &mut Crossings) {
+///     fn crossings(&self, ray: &Ray, out: &mut dyn CrossingSink) {
 ///         let t = -ray.origin.z / ray.dir.z;
 ///         let p = ray.at(t);
 ///         if p.x.abs() + p.y.abs() <= 1.0 {
 ///             out.push(t, 0);
 ///         }
 ///     }
-///     fn surface(&self, p: DVec3, _part: u8) -> Surface {
+///     fn surface(&self, p: DVec3, _part: u32) -> Surface {
 ///         let uv = DVec2::new(p.x, p.y) * 0.5 + 0.5;
 ///         Surface { normal: DVec3::Z, uv }
 ///     }
@@ -67,16 +67,16 @@ pub trait CustomShape: fmt::Debug + Send + Sync {
     /// Adds all crossings of the ray's whole line, behind its origin too, to `out`. The direction is of any length, and
     /// `t` counts multiples of it, so nothing may be compared with an absolute epsilon. There may be any number: of many,
     /// those are kept that matter to a ray which begins at its origin.
-    fn crossings(&self, ray: &Ray, out: &mut Crossings);
+    fn crossings(&self, ray: &Ray, out: &mut dyn CrossingSink);
 
     /// Normal and texture coordinates at a point `p` on part `part` of the surface, both in object space.
-    fn surface(&self, p: DVec3, part: u8) -> Surface;
+    fn surface(&self, p: DVec3, part: u32) -> Surface;
 }
 
 /// Apart from the crossings of our own shapes, which are compiled into one function.
 #[cold]
 #[inline(never)]
-pub(super) fn crossings(shape: &dyn CustomShape, ray: &Ray, out: &mut Crossings) {
+pub(super) fn crossings(shape: &dyn CustomShape, ray: &Ray, out: &mut dyn CrossingSink) {
     shape.crossings(ray, out);
 }
 
@@ -91,7 +91,7 @@ impl Shape {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::Crossings, *};
     use crate::{
         Builder, NoHost, RenderOptions,
         math::DVec2,
@@ -117,7 +117,7 @@ mod tests {
             true
         }
 
-        fn crossings(&self, ray: &Ray, out: &mut Crossings) {
+        fn crossings(&self, ray: &Ray, out: &mut dyn CrossingSink) {
             for radius in &self.0 {
                 let mut own = Crossings::default();
                 let sphere = super::super::Sphere::new(DVec3::ZERO, *radius).unwrap();
@@ -126,7 +126,7 @@ mod tests {
             }
         }
 
-        fn surface(&self, p: DVec3, _: u8) -> Surface {
+        fn surface(&self, p: DVec3, _: u32) -> Surface {
             Surface {
                 normal: p,
                 uv: DVec2::ZERO,

@@ -1,6 +1,6 @@
 //! The closed cylinder.
 
-use super::{Crossings, Solidity, Surface, cap_uv, positive, span::Span, u_around_y};
+use super::{CrossingSink, Solidity, Surface, cap_uv, positive, span::Span, u_around_y};
 use crate::{
     math::{Bounds3, DVec2, DVec3, Ray},
     scene::SceneError,
@@ -24,9 +24,9 @@ impl Solidity for Cylinder {
     const SOLID: bool = true;
 }
 
-const SIDE: u8 = 0;
-const BOTTOM: u8 = 1;
-const TOP: u8 = 2;
+const SIDE: u32 = 0;
+const BOTTOM: u32 = 1;
+const TOP: u32 = 2;
 
 impl Cylinder {
     /// A cylinder of `radius` and full `height` in object units.
@@ -57,7 +57,7 @@ impl Cylinder {
     }
 
     #[inline]
-    pub(super) fn crossings(&self, ray: &Ray, out: &mut Crossings) {
+    pub(super) fn crossings(&self, ray: &Ray, out: &mut impl CrossingSink) {
         let span = Span::slab(ray.origin.y, ray.dir.y, self.height * 0.5, BOTTOM, TOP)
             .and_then(|caps| caps.clip(self.inside_side(ray)?));
         if let Some(span) = span {
@@ -95,7 +95,7 @@ impl Cylinder {
     }
 
     #[inline]
-    pub(super) fn normal(&self, p: DVec3, part: u8) -> DVec3 {
+    pub(super) fn normal(&self, p: DVec3, part: u32) -> DVec3 {
         match part {
             SIDE => DVec3::new(p.x, 0.0, p.z),
             BOTTOM => DVec3::NEG_Y,
@@ -103,7 +103,7 @@ impl Cylinder {
         }
     }
 
-    pub(super) fn surface(&self, p: DVec3, part: u8) -> Surface {
+    pub(super) fn surface(&self, p: DVec3, part: u32) -> Surface {
         Surface {
             normal: self.normal(p, part),
             uv: match part {
@@ -117,9 +117,9 @@ impl Cylinder {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::Crossings, *};
 
-    fn crossings(origin: [f64; 3], dir: [f64; 3]) -> Vec<(f64, u8)> {
+    fn crossings(origin: [f64; 3], dir: [f64; 3]) -> Vec<(f64, u32)> {
         let mut out = Crossings::default();
         Cylinder::new(1.0, 2.0)
             .unwrap()

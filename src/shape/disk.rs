@@ -1,6 +1,6 @@
 //! The disk.
 
-use super::{Crossings, Solidity, Surface, cap_uv, plane::t_at_y0, positive};
+use super::{CrossingSink, Solidity, Surface, cap_uv, plane::t_at_y0, positive};
 use crate::{
     math::{Bounds3, DVec3, Ray},
     scene::SceneError,
@@ -42,7 +42,7 @@ impl Disk {
     }
 
     #[inline]
-    pub(super) fn crossings(&self, ray: &Ray, out: &mut Crossings) {
+    pub(super) fn crossings(&self, ray: &Ray, out: &mut impl CrossingSink) {
         if let Some(t) = t_at_y0(ray) {
             let p = ray.at(t);
             if p.x * p.x + p.z * p.z <= self.radius * self.radius {
@@ -51,7 +51,7 @@ impl Disk {
         }
     }
 
-    pub(super) fn surface(&self, p: DVec3, _part: u8) -> Surface {
+    pub(super) fn surface(&self, p: DVec3, _part: u32) -> Surface {
         Surface {
             normal: DVec3::Y,
             uv: cap_uv(p.x, -p.z, self.radius),
@@ -61,7 +61,7 @@ impl Disk {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::Crossings, *};
     use crate::math::DVec2;
 
     #[test]

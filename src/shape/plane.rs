@@ -1,6 +1,6 @@
 //! The endless plane.
 
-use super::{Crossings, Solidity, Surface};
+use super::{CrossingSink, Solidity, Surface};
 use crate::math::{Bounds3, DVec2, DVec3, Ray};
 
 /// The endless plane y = 0.
@@ -29,13 +29,13 @@ impl Plane {
     }
 
     #[inline]
-    pub(super) fn crossings(&self, ray: &Ray, out: &mut Crossings) {
+    pub(super) fn crossings(&self, ray: &Ray, out: &mut impl CrossingSink) {
         if let Some(t) = t_at_y0(ray) {
             out.push(t, 0);
         }
     }
 
-    pub(super) fn surface(&self, p: DVec3, _part: u8) -> Surface {
+    pub(super) fn surface(&self, p: DVec3, _part: u32) -> Surface {
         Surface {
             normal: DVec3::Y,
             uv: DVec2::new(p.x, -p.z),
@@ -45,7 +45,7 @@ impl Plane {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::Crossings, *};
 
     #[test]
     fn crossed_once_from_either_side_and_never_along_it() {

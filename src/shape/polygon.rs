@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::{
-    Crossings, Solidity, Surface,
+    CrossingSink, Solidity, Surface,
     planar::{crossing_edges, flattened, newell},
     triangle::TriangleRay,
 };
@@ -157,7 +157,7 @@ impl Polygon {
     /// The plane gives t to the rounding of the hit's own distance, which on a large floor matters. Where
     /// the ray almost lies in the plane, or the points do not quite, t comes from the two edges between
     /// which it passes: to the rounding of their distance, but never off the polygon.
-    pub(super) fn crossings(&self, ray: &Ray, out: &mut Crossings) {
+    pub(super) fn crossings(&self, ray: &Ray, out: &mut impl CrossingSink) {
         let view = TriangleRay::new(ray);
         let Some(last) = self.points.last() else {
             return;
@@ -200,7 +200,7 @@ impl Polygon {
         }
     }
 
-    pub(super) fn surface(&self, p: DVec3, _part: u8) -> Surface {
+    pub(super) fn surface(&self, p: DVec3, _part: u32) -> Surface {
         let q = p - self.anchor;
         let uv = (DVec2::new(self.axes[0].dot(q), self.axes[1].dot(q)) - self.uv_min) / self.uv_size;
         Surface {
@@ -242,7 +242,10 @@ fn plane_axes(normal: DVec3) -> [DVec3; 2] {
 
 #[cfg(test)]
 mod tests {
-    use super::{super::suite::Rng, *};
+    use super::{
+        super::{Crossings, suite::Rng},
+        *,
+    };
 
     fn count(polygon: &Polygon, ray: &Ray) -> usize {
         let mut out = Crossings::default();

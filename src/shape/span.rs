@@ -5,7 +5,7 @@
 //! counted once or three times by it, however the numbers round (Kay and Kajiya, "Ray Tracing Complex
 //! Scenes", 1986).
 
-use super::{Crossing, Crossings};
+use super::{Crossing, CrossingSink};
 
 /// An interval of ray parameters, `enter.t <= exit.t`, never NaN; unbounded ends are infinite.
 #[derive(Clone, Copy, Debug)]
@@ -29,7 +29,7 @@ impl Span {
 
     /// From `t0` to `t1`, both ends on part `part`; `None` where they are out of order or NaN.
     #[inline]
-    pub(super) fn new(t0: f64, t1: f64, part: u8) -> Option<Self> {
+    pub(super) fn new(t0: f64, t1: f64, part: u32) -> Option<Self> {
         (t0 <= t1).then_some(Self {
             enter: Crossing { t: t0, part },
             exit: Crossing { t: t1, part },
@@ -46,7 +46,7 @@ impl Span {
     /// upper end of the coordinate. A coordinate that stands still (`d` = 0) is inside up to and with the
     /// ends, so a ray in the plane of a face is inside. An infinite `d` has no points.
     #[inline]
-    pub(super) fn slab(o: f64, d: f64, half: f64, low: u8, high: u8) -> Option<Self> {
+    pub(super) fn slab(o: f64, d: f64, half: f64, low: u32, high: u32) -> Option<Self> {
         if d == 0.0 {
             return Self::line_if(o.abs() <= half);
         }
@@ -81,7 +81,7 @@ impl Span {
     /// Adds both ends, or neither: the ray of zero direction inside a solid leaves an unbounded interval and
     /// has no crossing.
     #[inline]
-    pub(super) fn push(self, out: &mut Crossings) {
+    pub(super) fn push(self, out: &mut impl CrossingSink) {
         if self.enter.t.is_finite() && self.exit.t.is_finite() {
             out.push(self.enter.t, self.enter.part);
             out.push(self.exit.t, self.exit.part);
@@ -91,7 +91,7 @@ impl Span {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::Crossings, *};
 
     #[test]
     fn a_slab_is_closed_and_knows_its_ends() {

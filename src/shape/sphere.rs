@@ -1,6 +1,6 @@
 //! The sphere.
 
-use super::{Crossings, Solidity, Surface, positive, span::Span, u_around_y};
+use super::{CrossingSink, Solidity, Surface, positive, span::Span, u_around_y};
 use crate::{
     math::{self, Bounds3, DVec2, DVec3, PI, Ray, max_abs},
     scene::SceneError,
@@ -77,7 +77,7 @@ impl Sphere {
     }
 
     #[inline]
-    pub(super) fn crossings(&self, ray: &Ray, out: &mut Crossings) {
+    pub(super) fn crossings(&self, ray: &Ray, out: &mut impl CrossingSink) {
         if let Some(span) =
             Self::roots(self.center, self.radius, ray).and_then(|(t0, t1)| Span::new(t0, t1, 0))
         {
@@ -90,7 +90,7 @@ impl Sphere {
         p - self.center
     }
 
-    pub(super) fn surface(&self, p: DVec3, _part: u8) -> Surface {
+    pub(super) fn surface(&self, p: DVec3, _part: u32) -> Surface {
         let normal = self.normal(p);
         let n = normal / self.radius;
         let v = math::asin(n.y.clamp(-1.0, 1.0)) / PI + 0.5;
@@ -103,7 +103,7 @@ impl Sphere {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::Crossings, *};
 
     fn crossings(origin: [f64; 3], dir: [f64; 3]) -> Vec<f64> {
         let sphere = Sphere::new(DVec3::ZERO, 1.0).unwrap();

@@ -1,6 +1,6 @@
 //! The torus.
 
-use super::{Crossings, Solidity, Surface, positive, u_around_y};
+use super::{CrossingSink, Solidity, Surface, positive, u_around_y};
 use crate::{
     math::{self, Bounds3, DVec2, DVec3, PI, Ray},
     scene::SceneError,
@@ -70,7 +70,7 @@ impl Torus {
     /// F = (|p|^2 + R^2 - r^2)^2 - 4 R^2 (x^2 + z^2) has the sign of (rho - R)^2 + y^2 - r^2 with rho the
     /// distance to the axis, F's factor (rho + R)^2 + y^2 - r^2 being positive; the signs and the roots are
     /// taken from that form, which stays exact where the tube is thin.
-    pub(super) fn crossings(&self, ray: &Ray, out: &mut Crossings) {
+    pub(super) fn crossings(&self, ray: &Ray, out: &mut impl CrossingSink) {
         let outer = self.major + self.minor;
         let (major, minor) = (self.major / outer, self.minor / outer);
         let length = ray.dir.length();
@@ -129,7 +129,7 @@ impl Torus {
         if normal == DVec3::ZERO { DVec3::Y } else { normal }
     }
 
-    pub(super) fn surface(&self, p: DVec3, _part: u8) -> Surface {
+    pub(super) fn surface(&self, p: DVec3, _part: u32) -> Surface {
         let (_, from_ring) = self.ring_distances(p);
         Surface {
             normal: self.normal(p),
@@ -209,7 +209,10 @@ fn root_between(f: impl Fn(f64) -> (f64, f64), mut lo: f64, mut hi: f64, falling
 
 #[cfg(test)]
 mod tests {
-    use super::{super::suite::Rng, *};
+    use super::{
+        super::{Crossings, suite::Rng},
+        *,
+    };
 
     fn crossings(torus: &Torus, origin: [f64; 3], dir: [f64; 3]) -> Vec<f64> {
         let mut out = Crossings::default();

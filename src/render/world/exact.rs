@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     math::Ray,
-    shape::{Crossing, Crossings, Sphere, triangle::TriangleRay},
+    shape::{Crossing, CrossingSink, Crossings, Sphere, triangle::TriangleRay},
 };
 
 /// One ray's tests of a level's primitives; each tells whether it ends the search.
@@ -97,7 +97,7 @@ impl<const ANY: bool> Exact<'_, '_, '_, ANY> {
     }
 
     #[inline]
-    fn offer(&mut self, index: u32, t: f64, part: u8) -> bool {
+    fn offer(&mut self, index: u32, t: f64, part: u32) -> bool {
         let hit = Hit {
             t,
             number: self.base + u64::from(index),

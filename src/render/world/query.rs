@@ -103,7 +103,7 @@ pub(crate) struct Hit {
     pub(super) u: f64,
     pub(super) v: f64,
     /// Part of a shape's surface.
-    pub(super) part: u8,
+    pub(super) part: u32,
 }
 
 /// What stands between a point and a light.

@@ -370,7 +370,7 @@ fn fan(origin: DVec3, dir: DVec3, across: DVec3, spread: f64, n: usize) -> Vec<P
 }
 
 /// What identifies a hit to the last bit.
-fn bits(hit: Option<Hit>) -> Option<(u64, u64, u64, u64, u8)> {
+fn bits(hit: Option<Hit>) -> Option<(u64, u64, u64, u64, u32)> {
     hit.map(|h| (h.t.to_bits(), h.number, h.u.to_bits(), h.v.to_bits(), h.part))
 }
 

@@ -15,7 +15,7 @@ use crate::{
     },
     color::Color,
     math::{Ray, max_abs},
-    shape::{Crossings, Sphere, triangle::TriangleRay},
+    shape::{CrossingSink, Crossings, Sphere, triangle::TriangleRay},
 };
 
 /// What a shadow ray passes.

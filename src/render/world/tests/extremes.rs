@@ -135,7 +135,7 @@ fn rays(kind: Kind) -> impl Strategy<Value = Vec<(DVec3, DVec3)>> {
 }
 
 /// All of a hit, so that two can be compared to the last bit.
-fn bits(hit: Option<super::super::Hit>) -> Option<(u64, u64, u64, u64, u8)> {
+fn bits(hit: Option<super::super::Hit>) -> Option<(u64, u64, u64, u64, u32)> {
     hit.map(|h| (h.t.to_bits(), h.number, h.u.to_bits(), h.v.to_bits(), h.part))
 }
 
