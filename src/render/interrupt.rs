@@ -29,10 +29,18 @@ impl<F: Fn()> Drop for OnDrop<F> {
     }
 }
 
+/// Who is asked.
+enum Asked<'h> {
+    Borrowed(&'h dyn Host),
+    Own(Box<dyn Host>),
+}
+
 /// Whether to stop, for all threads of a render.
 pub(super) struct Interrupt<'h> {
-    host: &'h dyn Host,
+    host: Asked<'h>,
     stopped: AtomicBool,
+    /// Nobody else asks, so who looks at it asks.
+    asks: bool,
     clock: Stopwatch,
     /// Time in all, and what of it is left.
     time: Option<(Duration, Duration)>,
@@ -50,10 +58,21 @@ impl<'h> Interrupt<'h> {
 
     /// The host's wish, and the limits of a render that begins now.
     pub(super) fn within(options: &RenderOptions, host: &'h dyn Host) -> Self {
+        Self::of(options, Asked::Borrowed(host))
+    }
+
+    /// The wish to stop of a host that is asked whenever anybody looks: for single questions, which no thread watches.
+    pub(super) fn asking(host: Box<dyn Host>) -> Self {
+        let asked = Self::of(&RenderOptions::default(), Asked::Own(host));
+        Self { asks: true, ..asked }
+    }
+
+    fn of(options: &RenderOptions, host: Asked<'h>) -> Self {
         let spent = options.spent;
         Self {
             host,
             stopped: AtomicBool::new(false),
+            asks: false,
             clock: Stopwatch::start(),
             time: options
                 .render_time
@@ -91,16 +110,21 @@ impl<'h> Interrupt<'h> {
 
     /// True once the render is to stop; what is being computed is then dropped, so any value does.
     pub(super) fn poll(&self) -> bool {
-        if self.is_stopped() {
+        let is_stopped = || self.stopped.load(Ordering::Relaxed);
+        if is_stopped() {
             return true;
         }
-        if self.host.should_stop() {
+        let host = match &self.host {
+            Asked::Borrowed(host) => *host,
+            Asked::Own(host) => &**host,
+        };
+        if host.should_stop() {
             self.stopped.store(true, Ordering::Relaxed);
         } else if self.time.is_some_and(|(_, left)| self.clock.elapsed() > left) {
             self.too_long.store(true, Ordering::Relaxed);
             self.stopped.store(true, Ordering::Relaxed);
         }
-        self.is_stopped()
+        is_stopped()
     }
 
     /// Counts rays of the picture. Past the limit the render stops, which it would at the latest with the last tile:
@@ -114,8 +138,9 @@ impl<'h> Interrupt<'h> {
     }
 
     /// True where a [`Interrupt::poll`] was: the picture is not whole.
+    #[inline]
     pub(super) fn is_stopped(&self) -> bool {
-        self.stopped.load(Ordering::Relaxed)
+        self.stopped.load(Ordering::Relaxed) || self.asks && self.poll()
     }
 
     /// Why the picture is not whole.

@@ -1,6 +1,7 @@
 //! From a [`Scene`] to an [`Image`].
 
 mod coarse;
+mod compiled;
 pub mod explain;
 mod film;
 mod inspect;
@@ -10,9 +11,11 @@ mod lighting;
 mod observe;
 pub(crate) mod sampler;
 pub mod show;
+mod solids;
 mod tiles;
 mod world;
 
+pub use compiled::Compiled;
 pub use film::{Image, quantize};
 pub use inspect::{inspect, unanswered};
 pub use observe::RayKind;

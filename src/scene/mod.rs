@@ -4,6 +4,7 @@
 //! into one of its vectors, and every entity knows the line that made it. It never sees Rhai, the command line
 //! or the file system, and it holds no acceleration structure: [`render`](mod@crate::render) compiles it for that.
 
+mod bounds;
 mod builder;
 mod camera;
 pub mod compare;
@@ -11,6 +12,7 @@ mod custom;
 mod dump;
 mod edition;
 mod error;
+mod extract;
 mod hash;
 mod light;
 pub(crate) mod literal;

@@ -15,6 +15,8 @@ pub enum Group {
     Assets,
     /// Lights.
     Lights,
+    /// What there is so far.
+    Queries,
     /// Rendering.
     Output,
     /// What the caller may decide.
@@ -29,13 +31,14 @@ pub enum Group {
 
 impl Group {
     /// All groups, in the order of the reference.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Camera,
         Self::Transform,
         Self::Shapes,
         Self::Materials,
         Self::Assets,
         Self::Lights,
+        Self::Queries,
         Self::Output,
         Self::Parameters,
         Self::Vectors,
@@ -53,6 +56,7 @@ impl Group {
             Self::Materials => "Materials and colors",
             Self::Assets => "Meshes and pictures from files",
             Self::Lights => "Lights",
+            Self::Queries => "Asking about the scene",
             Self::Output => "Rendering",
             Self::Parameters => "Parameters",
             Self::Vectors => "Vectors",
@@ -93,6 +97,12 @@ impl Group {
             Self::Output => {
                 "A script that renders nothing itself is rendered once when it ends. One that does can make several \
                  pictures, and look at them."
+            }
+            Self::Queries => {
+                "Where things are, while the script is still building: trees can stand on a landscape that is there \
+                 already. Asked of a name, they look at what define \"name\" { } made, in its own object space; without \
+                 one, at what was made so far, in the space of the scene or, inside define, of the definition. The current \
+                 matrix does not count."
             }
             Self::Parameters => "What the one who runs the script may decide, and what it is otherwise.",
             Self::Vectors => "Points, directions and colors: three numbers that can be calculated with.",

@@ -23,6 +23,7 @@ mod recover;
 mod run;
 mod session;
 mod table;
+mod timed;
 mod value;
 #[cfg(test)]
 mod visible_tests;

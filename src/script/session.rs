@@ -11,10 +11,11 @@ use rhai::{Dynamic, ImmutableString, Module, Position};
 
 use super::{
     Picture, RunOptions,
-    api::Stream,
+    api::{Queries, Stream},
     cells,
     language::Language,
     link::Remote,
+    timed::{Timed, Timer},
     value::{Outcome, ScriptError},
 };
 use crate::{
@@ -122,8 +123,12 @@ pub(crate) struct State {
     printed: usize,
     /// What ended the run.
     pub(crate) ended: Option<Box<ScriptError>>,
+    /// Worlds that the script asks where its things are.
+    pub(super) queries: Queries,
     /// Since the run began.
     clock: Clock,
+    /// The script's time in what it asks for.
+    pub(crate) timer: Timer,
     /// Time spent rendering, which does not count as the script's.
     pub(crate) rendering: Duration,
     /// What its pictures took of the limits on renders.
@@ -169,7 +174,9 @@ impl State {
             assets: AssetCache::keeping(options.assets.clone()),
             printed: 0,
             ended: None,
+            queries: Queries::default(),
             clock: Clock::start(),
+            timer: Timer::new(),
             rendering: Duration::ZERO,
             spent: Spent::default(),
         }
@@ -181,11 +188,26 @@ impl State {
         self.limits.script_time.saturating_sub(spent)
     }
 
+    /// The host, until the script's time is over.
+    pub(crate) fn timed_host(&self) -> Timed {
+        self.timer.set(self.time_left());
+        self.timer.host(&self.host)
+    }
+
     /// The error where nothing is left of it.
     #[cold]
     pub(crate) fn too_long(&self) -> Box<ScriptError> {
         let value = format!("{:?}", self.limits.script_time);
         limit("the script runs too long", "script_time", value)
+    }
+
+    /// The error of what [`State::timed_host`] stopped.
+    #[cold]
+    pub(crate) fn stopped(&self) -> Box<ScriptError> {
+        if self.host.should_stop() {
+            return ScriptError::of_kind(ErrorKind::Cancelled, "the run was stopped");
+        }
+        self.too_long()
     }
 
     /// Notes a call of a scene function and where it stands.

@@ -41,7 +41,7 @@ use std::sync::Arc;
 
 use crate::{
     custom::Custom,
-    math::{self, Bounds3, DVec2, DVec3, PI, Ray},
+    math::{self, Bounds3, DAffine3, DVec2, DVec3, PI, Ray},
     scene::SceneError,
 };
 
@@ -154,6 +154,15 @@ shapes! {
 }
 
 impl Shape {
+    /// A box around it where `to_from_object` takes it, tight for spheres; `None` where it has no end.
+    #[must_use]
+    pub fn bounds_under(&self, to_from_object: &DAffine3) -> Option<Bounds3> {
+        match self {
+            Self::Sphere(sphere) => Some(sphere.bounds_under(to_from_object)),
+            shape => shape.bounds().map(|b| b.transformed(to_from_object)),
+        }
+    }
+
     /// The normal of [`Shape::surface`] alone: the texture coordinates of round shapes are angles, which cost
     /// more than the rest.
     #[inline]

@@ -2,7 +2,7 @@
 
 use super::{CrossingSink, Solidity, Surface, positive, span::Span, u_around_y};
 use crate::{
-    math::{self, Bounds3, DVec2, DVec3, PI, Ray, max_abs},
+    math::{self, Bounds3, DAffine3, DVec2, DVec3, PI, Ray, max_abs},
     scene::SceneError,
 };
 
@@ -74,6 +74,15 @@ impl Sphere {
         // q is 0 where the line touches the sphere at the ray's very origin: both roots are there.
         let (t0, t1) = if q == 0.0 { (0.0, 0.0) } else { (c / q, q / a) };
         Some(if t0 <= t1 { (t0, t1) } else { (t1, t0) })
+    }
+
+    /// Along each axis the center plus or minus the radius times the length of the matrix's row (Quilez, "Bounding box
+    /// of an ellipse", 2015, from the support function).
+    pub(super) fn bounds_under(&self, to_from_object: &DAffine3) -> Bounds3 {
+        let rows = to_from_object.matrix3.transpose();
+        let center = to_from_object.transform_point3(self.center);
+        let half = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length()) * self.radius;
+        Bounds3::new(center - half, center + half)
     }
 
     #[inline]

@@ -9,7 +9,7 @@ use super::{
     World,
     kept::{KeptTrees, Key},
     level::{Instance, Level, PlacedShape, PlacedSphere, Primitive, TriangleRun, TriangleSource},
-    placing::{ellipsoid_bounds, normal_matrix, place, similarity},
+    placing::{normal_matrix, place, similarity},
     tree,
 };
 use crate::{
@@ -395,10 +395,7 @@ impl<'s> Compiler<'s, '_> {
             Primitive::Shape(i) => {
                 let placed = &level.shapes[i as usize];
                 let level_from_object = placed.object_from_level.inverse();
-                match &placed.shape {
-                    Shape::Sphere(sphere) => Some(ellipsoid_bounds(sphere, &level_from_object)),
-                    shape => shape.bounds().map(|b| b.transformed(&level_from_object)),
-                }
+                placed.shape.bounds_under(&level_from_object)
             }
             Primitive::Instance(i) => {
                 let instance = &level.instances[i as usize];

@@ -35,7 +35,7 @@ pub(crate) use query::{Blocker, Hit, Probe};
 pub(crate) use shaft::FewObstacles;
 pub(crate) use surface::SurfacePoint;
 
-use super::interrupt::Interrupt;
+use super::{interrupt::Interrupt, solids};
 use crate::{
     math::{Bounds3, DVec3, Ray},
     scene::Scene,
@@ -159,13 +159,21 @@ impl<'s> World<'s> {
     }
 
     /// A box around everything; `None` where something has no end, or where there is nothing.
-    pub(super) fn bounds(&self) -> Option<Bounds3> {
+    #[must_use]
+    pub fn bounds(&self) -> Option<Bounds3> {
         self.root()?.bounds
+    }
+
+    /// Whether a point is inside of a solid or of a closed mesh, as three rays from it find that leave it in different
+    /// directions. A point on a surface may be either.
+    #[must_use]
+    pub fn is_inside(&self, point: DVec3) -> bool {
+        !solids::around(self, point, usize::MAX, |_| true).is_empty()
     }
 
     /// True once nobody wants an answer any more: any will do.
     #[inline]
-    fn is_stopped(&self) -> bool {
+    pub(super) fn is_stopped(&self) -> bool {
         self.interrupt.is_some_and(Interrupt::is_stopped)
     }
 

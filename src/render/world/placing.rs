@@ -1,9 +1,6 @@
 //! What matrices do to points, normals and spheres.
 
-use crate::{
-    math::{Bounds3, DAffine3, DMat3, DVec3},
-    shape::Sphere,
-};
+use crate::math::{DAffine3, DMat3, DVec3};
 
 /// A point where `placing` takes it; the same bits where it leaves it alone.
 pub(super) fn place(placing: &DAffine3, p: DVec3) -> DVec3 {
@@ -31,13 +28,4 @@ pub(super) fn similarity(m: &DMat3) -> Option<f64> {
         && same(y.dot(z), 0.0)
         && same(z.dot(x), 0.0);
     alike.then(|| scale2.sqrt())
-}
-
-/// Tight bounds of a sphere under an affine map: along each axis the center plus or minus the radius times the
-/// length of the matrix's row (Quilez, "Bounding box of an ellipse", 2015, from the support function).
-pub(super) fn ellipsoid_bounds(sphere: &Sphere, level_from_object: &DAffine3) -> Bounds3 {
-    let rows = level_from_object.matrix3.transpose();
-    let center = level_from_object.transform_point3(sphere.center());
-    let half = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length()) * sphere.radius();
-    Bounds3::new(center - half, center + half)
 }

@@ -115,7 +115,7 @@ impl Builder {
     }
 
     /// The group that `define` called `name`.
-    fn defined(&self, name: &str) -> Result<GroupId, SceneError> {
+    pub(crate) fn defined(&self, name: &str) -> Result<GroupId, SceneError> {
         if let Some(&id) = self.scene.names.get(name) {
             return Ok(id);
         }

@@ -5,6 +5,7 @@
 mod blocks;
 mod lights;
 mod placing;
+mod queries;
 mod settings;
 mod shapes;
 mod stack;

@@ -1,21 +1,20 @@
 //! Files and arrays that become meshes and textures.
 
-use std::{sync::Arc, time::Duration};
+use std::sync::Arc;
 
 use rhai::{Array, Dynamic, Map};
 
 use super::{map, string};
 use crate::{
     diag::{Diagnostic, ErrorKind},
-    host::{Host, HostError, resolve},
+    host::resolve,
     import::{Assets, load_obj, load_obj_shape, mesh_from_arrays},
     math::{DVec2, DVec3},
     scene::{Builder, ImageTexture, Mesh, SceneError, Texels},
     script::{
         call::{Call, kind_of, number_of},
-        link::Remote,
         lists::tuples,
-        session::{Clock, State},
+        session::State,
         table::{DONE, Entry, Group},
         value::{ImageValue, Outcome, ScriptError},
     },
@@ -58,41 +57,19 @@ fn with_assets<T>(
 ) -> Outcome<T> {
     let host_path = state.host_path(path);
     let loc = state.builder.loc();
-    let host = Timed {
-        host: &state.host,
-        clock: Clock::start(),
-        left: state.time_left(),
-    };
+    let host = state.timed_host();
     let mut assets = Assets::new(&host, &state.limits, &mut state.assets);
     let loaded = load(&host_path, &mut assets, &mut state.builder);
     state.builder.set_loc(loc);
     loaded.map_err(|mut d| {
-        if d.kind == ErrorKind::Cancelled && !state.host.should_stop() {
-            return state.too_long();
+        if d.kind == ErrorKind::Cancelled {
+            return state.stopped();
         }
         // As the reader knows the file: next to the script.
         let main = state.sources.first().map_or("", |s| s.name.as_str());
         d.file = d.file.map(|file| resolve(main, &file).into());
         ScriptError::from_file(*d)
     })
-}
-
-/// The script's host for as long as the script may run: a file of a few megabytes may have faces to cut into triangles for
-/// minutes, and meanwhile the script takes no step.
-struct Timed<'a> {
-    host: &'a Remote,
-    clock: Clock,
-    left: Duration,
-}
-
-impl Host for Timed<'_> {
-    fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, HostError> {
-        self.host.read(path, max_bytes)
-    }
-
-    fn should_stop(&self) -> bool {
-        self.host.should_stop() || self.clock.elapsed() > self.left
-    }
 }
 
 fn image(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {

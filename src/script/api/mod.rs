@@ -12,12 +12,14 @@ mod noise;
 mod numbers;
 mod output;
 pub(super) mod params;
+mod queries;
 mod random;
 mod shapes;
 mod strings;
 mod transform;
 mod vector;
 
+pub(super) use queries::Queries;
 pub(super) use random::Stream;
 
 use rhai::Module;
@@ -25,7 +27,7 @@ use rhai::Module;
 use super::table::{Entry, Kind, Param};
 
 /// Every list, in the order of the reference.
-pub(super) const ALL: [&[Entry]; 13] = [
+pub(super) const ALL: [&[Entry]; 14] = [
     edition::ENTRIES,
     camera::ENTRIES,
     transform::ENTRIES,
@@ -33,6 +35,7 @@ pub(super) const ALL: [&[Entry]; 13] = [
     materials::ENTRIES,
     assets::ENTRIES,
     lights::ENTRIES,
+    queries::ENTRIES,
     output::ENTRIES,
     params::ENTRIES,
     vector::ENTRIES,
