@@ -46,6 +46,7 @@ pub mod import;
 pub mod limits;
 pub mod math;
 pub mod meter;
+pub mod noise;
 pub mod output;
 pub mod parameters;
 pub mod recipe;

@@ -12,13 +12,17 @@ use std::{
 const MAY_NAME: &[(&str, &[&str])] = &[
     ("math", &[]),
     ("color", &["math"]),
+    ("noise", &["math"]),
     ("custom", &[]),
     ("diag", &[]),
     ("limits", &[]),
     ("meter", &[]),
     // A shape refuses bad parameters with the scene's error.
     ("shape", &["math", "custom", "scene::SceneError"]),
-    ("scene", &["math", "color", "custom", "diag", "limits", "shape"]),
+    (
+        "scene",
+        &["math", "color", "noise", "custom", "diag", "limits", "shape"],
+    ),
     ("accel", &["math"]),
     ("host", &["diag", "render"]),
     (
@@ -39,6 +43,7 @@ const MAY_NAME: &[(&str, &[&str])] = &[
         &[
             "math",
             "color",
+            "noise",
             "diag",
             "host",
             "limits",
@@ -92,7 +97,7 @@ const MAY_NAME: &[(&str, &[&str])] = &[
 ];
 
 /// Modules that know neither the language nor the command nor the system.
-const PURE: [&str; 6] = ["scene", "shape", "accel", "render", "math", "color"];
+const PURE: [&str; 7] = ["scene", "shape", "accel", "render", "math", "color", "noise"];
 
 /// What they must not name.
 const IMPURE: [&str; 10] = [

@@ -3,11 +3,14 @@
 use rhai::Dynamic;
 
 use super::{int, number};
-use crate::script::{
-    call::Call,
-    session::State,
-    table::{Entry, Group},
-    value::Outcome,
+use crate::{
+    noise::mix,
+    script::{
+        call::Call,
+        session::State,
+        table::{Entry, Group},
+        value::Outcome,
+    },
 };
 
 /// SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014): the n-th
@@ -48,12 +51,6 @@ impl Stream {
         let offset = (u128::from(self.next()) * span) >> 64;
         (i128::from(min) + offset as i128) as i64
     }
-}
-
-pub(super) fn mix(x: u64) -> u64 {
-    let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    x ^ (x >> 31)
 }
 
 pub(super) const ENTRIES: &[Entry] = &[
