@@ -55,6 +55,7 @@ pub mod scene;
 pub mod script;
 pub mod shape;
 pub mod source;
+pub mod spline;
 pub mod testing;
 
 pub use diag::{Diagnostic, Error, ErrorKind, Report};

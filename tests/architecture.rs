@@ -17,8 +17,9 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     ("diag", &[]),
     ("limits", &[]),
     ("meter", &[]),
+    ("spline", &[]),
     // A shape refuses bad parameters with the scene's error.
-    ("shape", &["math", "custom", "scene::SceneError"]),
+    ("shape", &["math", "custom", "spline", "scene::SceneError"]),
     (
         "scene",
         &["math", "color", "noise", "custom", "diag", "limits", "shape"],
