@@ -125,7 +125,7 @@ impl Spline {
 }
 
 fn mix<const N: usize>(a: [f64; N], b: [f64; N], t: f64) -> [f64; N] {
-    std::array::from_fn(|k| a[k] + (b[k] - a[k]) * t)
+    std::array::from_fn(|k| a[k] * (1.0 - t) + b[k] * t)
 }
 
 /// A cubic Bezier curve by its four control points (de Casteljau; Farin, "Curves and Surfaces for CAGD", 2002,
