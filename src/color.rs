@@ -46,6 +46,58 @@ pub fn from_hex(text: &str) -> Option<Color> {
     Some(Color::new(component(0)?, component(1)?, component(2)?))
 }
 
+/// Lightness, green to red and blue to yellow of a linear color in Oklab (Ottosson, "A perceptual color space for image
+/// processing", 2020): equal steps look alike. White is [1, 0, 0].
+#[must_use]
+pub fn oklab_from_linear(c: Color) -> DVec3 {
+    let l = 0.412_221_470_8 * c.x + 0.536_332_536_3 * c.y + 0.051_445_992_9 * c.z;
+    let m = 0.211_903_498_2 * c.x + 0.680_699_545_1 * c.y + 0.107_396_956_6 * c.z;
+    let s = 0.088_302_461_9 * c.x + 0.281_718_837_6 * c.y + 0.629_978_700_5 * c.z;
+    let [l, m, s] = [l, m, s].map(math::cbrt);
+    DVec3::new(
+        0.210_454_255_3 * l + 0.793_617_785_0 * m - 0.004_072_046_8 * s,
+        1.977_998_495_1 * l - 2.428_592_205_0 * m + 0.450_593_709_9 * s,
+        0.025_904_037_1 * l + 0.782_771_766_2 * m - 0.808_675_766_0 * s,
+    )
+}
+
+/// The linear color of an Oklab one, which may lie outside of what a screen shows: then components are negative or
+/// above 1.
+#[must_use]
+pub fn linear_from_oklab(lab: DVec3) -> Color {
+    let l = lab.x + 0.396_337_777_4 * lab.y + 0.215_803_757_3 * lab.z;
+    let m = lab.x - 0.105_561_345_8 * lab.y - 0.063_854_172_8 * lab.z;
+    let s = lab.x - 0.089_484_177_5 * lab.y - 1.291_485_548_0 * lab.z;
+    let [l, m, s] = [l, m, s].map(|x| x * x * x);
+    Color::new(
+        4.076_741_662_1 * l - 3.307_711_591_3 * m + 0.230_969_929_2 * s,
+        -1.268_438_004_6 * l + 2.609_757_401_1 * m - 0.341_319_396_5 * s,
+        -0.004_196_086_3 * l - 0.703_418_614_7 * m + 1.707_614_701_0 * s,
+    )
+}
+
+/// The linear color of a lightness in [0, 1], a chroma (0 is gray, 0.3 about the strongest there is) and a hue in degrees of
+/// Oklab. What no screen shows gets as much chroma as one does.
+#[must_use]
+pub fn linear_from_oklch(lightness: f64, chroma: f64, hue: f64) -> Color {
+    let (sin, cos) = math::sin_cos_degrees(hue);
+    let at = |chroma: f64| linear_from_oklab(DVec3::new(lightness, chroma * cos, chroma * sin));
+    let is_shown = |c: Color| c.min_element() >= 0.0 && c.max_element() <= 1.0;
+    if is_shown(at(chroma)) {
+        return at(chroma);
+    }
+    let (mut shown, mut beyond) = (0.0, chroma);
+    for _ in 0..50 {
+        let middle = 0.5 * (shown + beyond);
+        if is_shown(at(middle)) {
+            shown = middle;
+        } else {
+            beyond = middle;
+        }
+    }
+    at(shown).clamp(Color::ZERO, Color::ONE)
+}
+
 /// Relative luminance of a linear color (Rec. 709).
 #[must_use]
 pub fn luminance(c: Color) -> f64 {
@@ -63,6 +115,39 @@ mod tests {
         for bad in ["ffffff", "#ff", "#gg0000", "#+f+f+f", "#ééé", ""] {
             assert_eq!(from_hex(bad), None, "{bad}");
         }
+    }
+
+    #[test]
+    fn oklab_has_its_published_values_and_an_inverse() {
+        // Of XYZ (0.950, 1.000, 1.089), (1, 0, 0) and so on are given; of linear RGB, white and red are well known.
+        assert!((oklab_from_linear(Color::ONE) - DVec3::X).length() < 1e-6);
+        let red = oklab_from_linear(Color::X);
+        assert!(
+            (red - DVec3::new(0.627_955, 0.224_863, 0.125_846)).length() < 1e-5,
+            "{red}"
+        );
+        for c in [
+            Color::ONE,
+            Color::Y,
+            Color::new(0.2, 0.5, 0.05),
+            Color::splat(3.0),
+        ] {
+            assert!(
+                (linear_from_oklab(oklab_from_linear(c)) - c).length() < 1e-5,
+                "{c}"
+            );
+        }
+        let strong = linear_from_oklch(0.7, 0.9, 150.0);
+        assert!(strong.min_element() >= 0.0 && strong.max_element() <= 1.0);
+        assert!(
+            strong.min_element() < 1e-9 || strong.max_element() > 1.0 - 1e-9,
+            "on the edge"
+        );
+        let hue = |c: Color| {
+            let lab = oklab_from_linear(c);
+            math::atan2(lab.z, lab.y).to_degrees()
+        };
+        assert!((hue(strong) - 150.0).abs() < 1e-3);
     }
 
     #[test]

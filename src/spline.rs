@@ -242,10 +242,8 @@ mod tests {
         }
         let pieces = Spline::CatmullRom.pieces(&POINTS, false).unwrap();
         // Half the way from the neighbour before to the one after.
-        assert_eq!(
-            tangent(&pieces, 0.25).map(|t| t.map(|x| x.round())),
-            Some([2.0, 1.0])
-        );
+        let along = tangent(&pieces, 0.25).unwrap();
+        assert!((along[0] - 1.5).abs() < 1e-14 && (along[1] - 0.5).abs() < 1e-14);
         assert_eq!(position(&pieces, 0.5), Some(POINTS[2]));
         assert_eq!(position(&pieces, 7.0), Some(POINTS[4]));
         assert_eq!(position::<2>(&[], 0.5), None);

@@ -45,6 +45,7 @@ const MAY_NAME: &[(&str, &[&str])] = &[
             "math",
             "color",
             "noise",
+            "spline",
             "diag",
             "host",
             "limits",

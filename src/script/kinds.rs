@@ -25,13 +25,17 @@ pub enum Group {
     Vectors,
     /// Numbers.
     Maths,
+    /// Curves through points.
+    Curves,
+    /// Lists of values.
+    Lists,
     /// Random numbers.
     Random,
 }
 
 impl Group {
     /// All groups, in the order of the reference.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 14] = [
         Self::Camera,
         Self::Transform,
         Self::Shapes,
@@ -43,6 +47,8 @@ impl Group {
         Self::Parameters,
         Self::Vectors,
         Self::Maths,
+        Self::Curves,
+        Self::Lists,
         Self::Random,
     ];
 
@@ -61,6 +67,8 @@ impl Group {
             Self::Parameters => "Parameters",
             Self::Vectors => "Vectors",
             Self::Maths => "Numbers",
+            Self::Curves => "Curves",
+            Self::Lists => "Lists",
             Self::Random => "Random numbers and noise",
         }
     }
@@ -110,6 +118,14 @@ impl Group {
                 "The same bits on every machine. Angles are in radians here. Two whole numbers divided give a whole \
                  number: 1 / 2 is 0, 1 / 2.0 is 0.5."
             }
+            Self::Curves => {
+                "Smooth ways through points, for whatever moves or stands along them. A curve is a value: ask it for a \
+                 position, a direction, or points evenly apart."
+            }
+            Self::Lists => {
+                "Beside what arrays bring along: len, push, pop, insert, remove, map, filter, reduce, sort, reverse, \
+                 contains, index_of and more of Rhai's."
+            }
             Self::Random => {
                 "The same numbers at each run and on every machine; another seed(n) gives others."
             }
@@ -142,6 +158,10 @@ pub enum Kind {
     Map,
     /// A picture.
     Image,
+    /// Random numbers of their own.
+    Stream,
+    /// A curve.
+    Curve,
     /// A block of statements.
     Block,
     /// A number, a string, true or false.
@@ -150,7 +170,7 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds, in the order of the reference.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 15] = [
         Self::Number,
         Self::Int,
         Self::Vec3,
@@ -162,6 +182,8 @@ impl Kind {
         Self::List,
         Self::Map,
         Self::Image,
+        Self::Stream,
+        Self::Curve,
         Self::Block,
         Self::Any,
     ];
@@ -187,6 +209,8 @@ impl Kind {
             Self::List => "array | blob",
             Self::Map => "map",
             Self::Image => "image",
+            Self::Stream => "random stream",
+            Self::Curve => "curve",
             Self::Block => "block",
             Self::Any => "any",
         }
@@ -212,6 +236,8 @@ impl Kind {
             Self::List => "A list in brackets, or a blob of floats as write_le writes them.",
             Self::Map => "Names and values: #{ min: 0, max: 2 }. A name that is not known is an error.",
             Self::Image => "A picture: what render() or image(file) returns.",
+            Self::Stream => "What randomStream(name) returns.",
+            Self::Curve => "What catmullRom(points) or bezier(points) returns.",
             Self::Block => "Statements in braces.",
             Self::Any => "A number, a string, true or false.",
         }

@@ -304,8 +304,11 @@ mod tests {
         for entry in entries() {
             let before = match entry.name {
                 "popTransform" => "pushTransform(); ",
-                "instance" | "instances" => "define \"car\" { sphere(0, 0, 0, 1); } ",
+                "instance" | "instances" | "raycast" | "bounds" | "inside" => {
+                    "define \"car\" { sphere(0, 0, 0, 1); } "
+                }
                 "pixel" => "let picture = render(); ",
+                "position" | "tangent" | "points" => "let curve = polyline([[0, 0, 0], [1, 0, 0]]); ",
                 _ => "",
             };
             runs(&format!("{before}{};", entry.usage));

@@ -68,9 +68,9 @@ fn the_example_is_shown_where_the_terminal_can() {
 
 #[test]
 fn names_of_other_systems_lead_to_ours() {
-    let text = out(&["help", "lookAt"]);
+    let text = out(&["help", "gluLookAt"]);
     assert!(
-        text.starts_with("lookAt is called camera here.\n\ncamera(from"),
+        text.starts_with("gluLookAt is called camera here.\n\ncamera(from"),
         "{text}"
     );
 }

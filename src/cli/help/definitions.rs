@@ -98,6 +98,8 @@ fn type_name(kind: Kind) -> &'static str {
         Kind::Array => "Array",
         Kind::Map => "Map",
         Kind::Image => "image",
+        Kind::Stream => "random stream",
+        Kind::Curve => "curve",
         Kind::Color | Kind::Term | Kind::NumberOrVec3 | Kind::List | Kind::Block | Kind::Any => "?",
     }
 }

@@ -9,6 +9,7 @@ mod queries;
 mod settings;
 mod shapes;
 mod stack;
+mod turning;
 
 use std::collections::{BTreeMap, HashMap};
 

@@ -63,7 +63,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .doc("Where the camera stands, what it looks at and how much it sees, as gluLookAt and gluPerspective have it. The last call counts. Default: from [0, 0, 5] at [0, 0, 0], up [0, 1, 0], 45 degrees. The current matrix does not move it.")
         .usage("camera([0, 1, 5], [0, 0, 0], [0, 1, 0], 45)")
         .example("camera([3, 2.5, 4], [0, 0, 0], [0, 1, 0], 35);\nbackground(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.8, 0.25, 0.15);\nbox(1.5, 1, 1);\ngroup { translate(0, -0.5, 0); diffuse(checker(\"#fff\", \"#3a7\", 1)); plane(); }")
-        .also(&["lookAt", "gluLookAt", "perspective", "view"]),
+        .also(&["gluLookAt", "perspective", "view"]),
 ];
 
 fn size(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {

@@ -3,6 +3,7 @@
 mod arrays;
 mod assets;
 mod camera;
+mod colors;
 mod edition;
 mod functions;
 mod lights;
@@ -14,9 +15,12 @@ mod output;
 pub(super) mod params;
 mod queries;
 mod random;
+mod sequences;
 mod shapes;
+mod splines;
 mod strings;
 mod transform;
+mod turning;
 mod vector;
 
 pub(super) use queries::Queries;
@@ -27,12 +31,14 @@ use rhai::Module;
 use super::table::{Entry, Kind, Param};
 
 /// Every list, in the order of the reference.
-pub(super) const ALL: [&[Entry]; 14] = [
+pub(super) const ALL: [&[Entry]; 18] = [
     edition::ENTRIES,
     camera::ENTRIES,
     transform::ENTRIES,
+    turning::ENTRIES,
     shapes::ENTRIES,
     materials::ENTRIES,
+    colors::ENTRIES,
     assets::ENTRIES,
     lights::ENTRIES,
     queries::ENTRIES,
@@ -40,6 +46,8 @@ pub(super) const ALL: [&[Entry]; 14] = [
     params::ENTRIES,
     vector::ENTRIES,
     maths::ENTRIES,
+    splines::ENTRIES,
+    sequences::ENTRIES,
     random::ENTRIES,
     noise::ENTRIES,
 ];
@@ -50,6 +58,8 @@ pub(super) fn extend(module: &mut Module) {
     vector::extend(module);
     output::extend(module);
     materials::extend(module);
+    random::extend(module);
+    splines::extend(module);
     arrays::extend(module);
     numbers::extend(module);
     strings::extend(module);
