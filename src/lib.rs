@@ -56,6 +56,7 @@ pub mod script;
 pub mod shape;
 pub mod source;
 pub mod spline;
+pub mod tessellate;
 pub mod testing;
 
 pub use diag::{Diagnostic, Error, ErrorKind, Report};

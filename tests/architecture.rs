@@ -26,6 +26,8 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     ),
     ("accel", &["math"]),
     ("host", &["diag", "render"]),
+    // What becomes triangles is a mesh of the scene.
+    ("tessellate", &["math", "diag", "limits", "scene", "shape"]),
     (
         "render",
         &[
@@ -55,6 +57,7 @@ const MAY_NAME: &[(&str, &[&str])] = &[
             "render",
             "import",
             "parameters",
+            "tessellate",
         ],
     ),
     ("source", &["diag", "host", "limits", "scene", "import", "script"]),
@@ -99,7 +102,17 @@ const MAY_NAME: &[(&str, &[&str])] = &[
 ];
 
 /// Modules that know neither the language nor the command nor the system.
-const PURE: [&str; 7] = ["scene", "shape", "accel", "render", "math", "color", "noise"];
+const PURE: &[&str] = &[
+    "scene",
+    "shape",
+    "accel",
+    "render",
+    "math",
+    "color",
+    "noise",
+    "spline",
+    "tessellate",
+];
 
 /// What they must not name.
 const IMPURE: [&str; 10] = [

@@ -30,25 +30,91 @@ pub fn mesh_from_arrays(
     let mut mesh = Mesh::new("mesh", positions, triangles)?;
     if let Some(normals) = normals {
         check_count("normals", normals.len(), count)?;
-        if let Some(i) = normals.iter().position(|n| !(n.is_finite() && *n != DVec3::ZERO)) {
-            let what = if normals.get(i) == Some(&DVec3::ZERO) {
-                "zero"
-            } else {
-                "not finite"
-            };
-            return Err(SceneError::new(format!("normal {i} of the mesh is {what}"))
-                .hint("a mesh without normals is flat"));
-        }
+        check_normals(&normals)?;
         mesh.normals = Some(at_the_corners(&mesh, normals));
     }
     if let Some(uvs) = uvs {
         check_count("uvs", uvs.len(), count)?;
-        if let Some(i) = uvs.iter().position(|uv| !uv.is_finite()) {
-            return Err(SceneError::new(format!("uv {i} of the mesh is not finite")));
-        }
+        check_uvs(&uvs)?;
         mesh.uvs = Some(at_the_corners(&mesh, uvs));
     }
     Ok(mesh)
+}
+
+/// Gives a mesh normals with indices of their own, three a triangle, -1 where a corner has none: so corners at one place
+/// may differ, as along the edges of a box.
+///
+/// # Errors
+/// Where a normal is zero or not finite, there are not as many indices as corners, or one is not that of a normal.
+pub fn set_normals(mesh: &mut Mesh, normals: Vec<DVec3>, indices: &[i64]) -> Result<(), SceneError> {
+    check_normals(&normals)?;
+    mesh.normals = Some(Attribute {
+        indices: own_indices(mesh, "normal", indices, normals.len())?,
+        values: normals,
+    });
+    Ok(())
+}
+
+/// As [`set_normals`], for texture coordinates.
+///
+/// # Errors
+/// As [`set_normals`]; a uv may be zero.
+pub fn set_uvs(mesh: &mut Mesh, uvs: Vec<DVec2>, indices: &[i64]) -> Result<(), SceneError> {
+    check_uvs(&uvs)?;
+    mesh.uvs = Some(Attribute {
+        indices: own_indices(mesh, "uv", indices, uvs.len())?,
+        values: uvs,
+    });
+    Ok(())
+}
+
+fn own_indices(mesh: &Mesh, what: &str, indices: &[i64], count: usize) -> Result<Vec<[u32; 3]>, SceneError> {
+    let corners = 3 * mesh.triangles.len();
+    if indices.len() != corners {
+        return Err(SceneError::new(format!(
+            "the mesh has {} {what} indices for {} triangles; expected {corners}",
+            indices.len(),
+            mesh.triangles.len()
+        )));
+    }
+    let index = |i: i64| match i {
+        -1 => Some(Attribute::<DVec3>::NONE),
+        _ => u32::try_from(i).ok().filter(|i| (*i as usize) < count),
+    };
+    let checked = indices.as_chunks::<3>().0.iter();
+    let checked = checked.map(|[a, b, c]| Some([index(*a)?, index(*b)?, index(*c)?]));
+    if let Some(checked) = checked.collect() {
+        return Ok(checked);
+    }
+    let wrong = indices.iter().enumerate().find(|(_, i)| index(**i).is_none());
+    let (at, value) = wrong.map_or((0, 0), |(at, value)| (at, *value));
+    Err(SceneError::new(format!(
+        "{what} index {at} of the mesh is {value}, but there are {count}, numbered from 0; -1 is none"
+    )))
+}
+
+fn check_normals(normals: &[DVec3]) -> Result<(), SceneError> {
+    if let Some((i, normal)) = normals
+        .iter()
+        .enumerate()
+        .find(|(_, n)| !(n.is_finite() && **n != DVec3::ZERO))
+    {
+        let what = if *normal == DVec3::ZERO {
+            "zero"
+        } else {
+            "not finite"
+        };
+        return Err(SceneError::new(format!("normal {i} of the mesh is {what}"))
+            .hint("a mesh without normals is flat"));
+    }
+    Ok(())
+}
+
+fn check_uvs(uvs: &[DVec2]) -> Result<(), SceneError> {
+    if let Some(i) = uvs.iter().position(|uv| !uv.is_finite()) {
+        return Err(SceneError::new(format!("uv {i} of the mesh is not finite")));
+    }
+    Ok(())
 }
 
 fn indexed(indices: &[i64], count: usize) -> Result<Vec<[u32; 3]>, SceneError> {
@@ -120,6 +186,28 @@ mod tests {
         assert_eq!(mesh.corners(1)[2], DVec3::Y);
         assert_eq!(mesh.uvs.unwrap().corners(1).unwrap()[2], DVec2::Y);
         assert_eq!(mesh.normals.unwrap().corners(0).unwrap(), [DVec3::Z * 2.0; 3]);
+    }
+
+    #[test]
+    fn corners_may_have_indices_of_their_own() {
+        let mut mesh = mesh_from_arrays(square(), Some(&[0, 1, 2, 0, 2, 3]), None, None).unwrap();
+        set_normals(&mut mesh, vec![DVec3::Z, DVec3::X], &[0, 0, 0, 1, 1, -1]).unwrap();
+        let normals = mesh.normals.as_ref().unwrap();
+        assert_eq!(normals.corners(0).unwrap(), [DVec3::Z; 3]);
+        assert_eq!((normals.indices[1], normals.corners(1)), ([1, 1, u32::MAX], None));
+        let message = |error: Result<(), SceneError>| error.unwrap_err().message;
+        assert_eq!(
+            message(set_uvs(&mut mesh, vec![DVec2::X], &[0, 0, 0])),
+            "the mesh has 3 uv indices for 2 triangles; expected 6"
+        );
+        assert_eq!(
+            message(set_uvs(&mut mesh, vec![DVec2::X], &[0, 0, 1, 0, -2, 0])),
+            "uv index 2 of the mesh is 1, but there are 1, numbered from 0; -1 is none"
+        );
+        assert_eq!(
+            message(set_normals(&mut mesh, vec![DVec3::ZERO], &[0; 6])),
+            "normal 0 of the mesh is zero"
+        );
     }
 
     #[test]

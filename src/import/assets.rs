@@ -171,6 +171,16 @@ impl<'a> Assets<'a> {
         Ok(texture)
     }
 
+    /// Width, height and, row by row from the top, how bright the stored numbers of the picture at `path` are, from 0 to 1:
+    /// heights, say. 16 bits are kept. Not cached: a height field is made of a picture once.
+    ///
+    /// # Errors
+    /// As [`Assets::texture`].
+    pub fn levels(&mut self, path: &str) -> Result<(usize, usize, Vec<f64>), Diagnostic> {
+        let bytes = self.read(path)?;
+        texture::levels(path, &bytes, self.limits)
+    }
+
     /// What earlier runs kept.
     pub(super) fn kept(&self) -> Option<&KeptAssets> {
         self.cache.kept.as_ref()

@@ -2,7 +2,7 @@
 
 use std::{io::Cursor, panic};
 
-use image::{ImageFormat, ImageReader, error::ImageError};
+use image::{DynamicImage, GenericImageView, ImageFormat, ImageReader, error::ImageError};
 
 use crate::{
     diag::{Diagnostic, ErrorKind},
@@ -19,6 +19,44 @@ use crate::{
 /// Where it is neither format, is damaged, has no pixels, or passes the limits `texture_side` or
 /// `decode_bytes`.
 pub(super) fn decode(name: &str, bytes: &[u8], limits: &Limits) -> Result<ImageTexture, Diagnostic> {
+    let picture = decoded(name, bytes, limits, DynamicImage::into_rgb8)?;
+    let (width, height) = picture.dimensions();
+    let texels = picture.into_raw().as_chunks::<3>().0.to_vec();
+    Ok(ImageTexture {
+        name: name.to_owned(),
+        width,
+        height,
+        texels: Texels::Srgb8(texels),
+    })
+}
+
+/// Width, height and, row by row from the top, how bright the numbers are that a picture stores: 0 for black, 1 for white.
+/// 16 bits are kept. Colors count with the weights of Rec. 709.
+///
+/// # Errors
+/// As [`decode`].
+pub(super) fn levels(
+    name: &str,
+    bytes: &[u8],
+    limits: &Limits,
+) -> Result<(usize, usize, Vec<f64>), Diagnostic> {
+    let picture = decoded(name, bytes, limits, DynamicImage::into_luma16)?;
+    let (width, height) = picture.dimensions();
+    let levels = picture
+        .into_raw()
+        .iter()
+        .map(|level| f64::from(*level) / 65535.0)
+        .collect();
+    Ok((width as usize, height as usize, levels))
+}
+
+/// A picture as `convert` makes it, which has pixels.
+fn decoded<P: GenericImageView>(
+    name: &str,
+    bytes: &[u8],
+    limits: &Limits,
+    convert: impl Fn(DynamicImage) -> P + panic::RefUnwindSafe,
+) -> Result<P, Diagnostic> {
     let format = match image::guess_format(bytes) {
         Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
         _ if bytes.is_empty() => {
@@ -42,7 +80,7 @@ pub(super) fn decode(name: &str, bytes: &[u8], limits: &Limits) -> Result<ImageT
         return Err(damaged(name, format, &why));
     }
     // Decoders are where a malformed file is most likely to find a hole.
-    let decoded = panic::catch_unwind(|| decode_as(format, bytes, limits));
+    let decoded = panic::catch_unwind(|| decode_as(format, bytes, limits).map(&convert));
     let picture = match decoded {
         Ok(Ok(picture)) => picture,
         Ok(Err(ImageError::Limits(_))) => return Err(too_large(name, format, bytes, limits)),
@@ -57,23 +95,17 @@ pub(super) fn decode(name: &str, bytes: &[u8], limits: &Limits) -> Result<ImageT
     if width == 0 || height == 0 {
         return Err(damaged(name, format, "it has no pixels"));
     }
-    let texels = picture.into_raw().as_chunks::<3>().0.to_vec();
-    Ok(ImageTexture {
-        name: name.to_owned(),
-        width,
-        height,
-        texels: Texels::Srgb8(texels),
-    })
+    Ok(picture)
 }
 
-fn decode_as(format: ImageFormat, bytes: &[u8], limits: &Limits) -> Result<image::RgbImage, ImageError> {
+fn decode_as(format: ImageFormat, bytes: &[u8], limits: &Limits) -> Result<DynamicImage, ImageError> {
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut bounds = image::Limits::default();
     bounds.max_image_width = Some(limits.texture_side);
     bounds.max_image_height = Some(limits.texture_side);
     bounds.max_alloc = Some(limits.decode_bytes);
     reader.limits(bounds);
-    Ok(reader.decode()?.into_rgb8())
+    reader.decode()
 }
 
 /// True where no end-of-image marker follows the last scan: the decoder would fill the rest with gray.

@@ -20,6 +20,7 @@ use rhai::{
 use super::{
     api,
     call::{Call, wrong_count},
+    caller::Caller,
     cells,
     language::Language,
     modules::Resolver,
@@ -179,6 +180,7 @@ fn invoke(entry: &'static Entry, ctx: &NativeCallContext<'_>, args: &mut [&mut D
             |result| matches!(result, Some(Ok(value)) if !is_data(value)),
         )
         .unwrap_or_else(|| Err(internal("a scene function outside a run"))),
+        Run::Calling(run) => return Caller::new(ctx).run(|caller| run(&mut call, caller)),
         Run::Syntax => Err(internal("a block called as a function")),
     };
     result.map_err(|e| e.raise_in(ctx.call_source(), ctx.call_position()))

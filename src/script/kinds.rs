@@ -162,6 +162,8 @@ pub enum Kind {
     Stream,
     /// A curve.
     Curve,
+    /// A function: `|x| x + 1` or `Fn("name")`.
+    Function,
     /// A block of statements.
     Block,
     /// A number, a string, true or false.
@@ -170,7 +172,7 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds, in the order of the reference.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Number,
         Self::Int,
         Self::Vec3,
@@ -184,6 +186,7 @@ impl Kind {
         Self::Image,
         Self::Stream,
         Self::Curve,
+        Self::Function,
         Self::Block,
         Self::Any,
     ];
@@ -211,6 +214,7 @@ impl Kind {
             Self::Image => "image",
             Self::Stream => "random stream",
             Self::Curve => "curve",
+            Self::Function => "Fn",
             Self::Block => "block",
             Self::Any => "any",
         }
@@ -238,6 +242,7 @@ impl Kind {
             Self::Image => "A picture: what render() or image(file) returns.",
             Self::Stream => "What randomStream(name) returns.",
             Self::Curve => "What catmullRom(points) or bezier(points) returns.",
+            Self::Function => "A function: |x| x * 2, or Fn(\"name\") for one that the script defines.",
             Self::Block => "Statements in braces.",
             Self::Any => "A number, a string, true or false.",
         }

@@ -98,7 +98,8 @@ pub(super) fn scene_calls(ast: &AST, language: &Language) -> BTreeSet<Position> 
     let names = Names::of(Some(ast), language);
     let mut places = BTreeSet::new();
     each_call(ast, |call, position| {
-        let is_scene = entry(&call.name).is_some_and(|entry| matches!(entry.run, Run::Scene(_)));
+        let is_scene =
+            entry(&call.name).is_some_and(|entry| matches!(entry.run, Run::Scene(_) | Run::Calling(_)));
         if is_scene && call.namespace.is_empty() && !names.has_own(&call.name, call.args.len()) {
             places.insert(position);
         }

@@ -8,6 +8,7 @@
 pub(crate) mod analysis;
 mod api;
 mod call;
+mod caller;
 mod cells;
 mod engine;
 mod errors;
@@ -18,6 +19,7 @@ mod lint;
 mod lists;
 mod modules;
 mod names;
+mod options;
 mod power;
 mod recover;
 mod run;

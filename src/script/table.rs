@@ -6,7 +6,13 @@ use std::sync::LazyLock;
 
 use rhai::Dynamic;
 
-use super::{api, call::Call, session::State, value::Outcome};
+use super::{
+    api,
+    call::Call,
+    caller::{Caller, Failure},
+    session::State,
+    value::Outcome,
+};
 
 pub use super::kinds::{Group, Kind};
 
@@ -57,6 +63,8 @@ pub(super) enum Run {
     Scene(fn(&mut Call<'_, '_>, &mut State) -> Outcome),
     /// Depends on its arguments alone.
     Pure(fn(&mut Call<'_, '_>) -> Outcome),
+    /// Works on the scene, and calls functions that the script gives it.
+    Calling(fn(&mut Call<'_, '_>, &Caller<'_, '_>) -> Result<Dynamic, Failure>),
     /// A block, known to the parser.
     Syntax,
 }
@@ -112,6 +120,14 @@ impl Entry {
         run: fn(&mut Call<'_, '_>) -> Outcome,
     ) -> Self {
         Self::new(group, name, Run::Pure(run))
+    }
+
+    pub(super) const fn calling(
+        group: Group,
+        name: &'static str,
+        run: fn(&mut Call<'_, '_>, &Caller<'_, '_>) -> Result<Dynamic, Failure>,
+    ) -> Self {
+        Self::new(group, name, Run::Calling(run))
     }
 
     pub(super) const fn syntax(group: Group, name: &'static str) -> Self {

@@ -100,6 +100,7 @@ fn type_name(kind: Kind) -> &'static str {
         Kind::Image => "image",
         Kind::Stream => "random stream",
         Kind::Curve => "curve",
+        Kind::Function => "Fn",
         Kind::Color | Kind::Term | Kind::NumberOrVec3 | Kind::List | Kind::Block | Kind::Any => "?",
     }
 }

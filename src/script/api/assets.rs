@@ -8,7 +8,7 @@ use super::{map, string};
 use crate::{
     diag::{Diagnostic, ErrorKind},
     host::resolve,
-    import::{Assets, load_obj, load_obj_shape, mesh_from_arrays},
+    import::{Assets, load_obj, load_obj_shape, mesh_from_arrays, set_normals, set_uvs},
     math::{DVec2, DVec3},
     scene::{Builder, ImageTexture, Mesh, SceneError, Texels},
     script::{
@@ -20,20 +20,27 @@ use crate::{
     },
 };
 
-const KEYS: [&str; 4] = ["indices", "normals", "positions", "uvs"];
+const KEYS: [&str; 6] = [
+    "indices",
+    "normalIndices",
+    "normals",
+    "positions",
+    "uvIndices",
+    "uvs",
+];
 const MESH_OPTIONS: [&str; 1] = ["materials"];
 
 pub(super) const ENTRIES: &[Entry] = &[
     Entry::scene(Group::Assets, "mesh", mesh)
         .takes(&[
             &[string("file", "an OBJ file, relative to the script that names it")],
-            &[map("data", "positions, and any of indices, normals and uvs").keys(&KEYS)],
+            &[map("data", "positions, and any of indices, normals, normalIndices, uvs and uvIndices").keys(&KEYS)],
             &[
                 string("file", "an OBJ file, relative to the script that names it"),
                 map("options", "materials: whether to read the file's materials; true unless given").keys(&MESH_OPTIONS),
             ],
         ])
-        .doc("A triangle mesh: from a file, with its normals, materials and textures; with #{ materials: false } its shape alone, in the current material; or from arrays. positions and normals are points or one flat list, uvs are pairs or one flat list, each also a blob of floats as write_le writes them; indices count from 0, three for each triangle. Without indices every three positions are a triangle; without normals the mesh is flat.")
+        .doc("A triangle mesh: from a file, with its normals, materials and textures; with #{ materials: false } its shape alone, in the current material; or from arrays. positions and normals are points or one flat list, uvs are pairs or one flat list, each also a blob of floats as write_le writes them; indices count from 0, three for each triangle. Without indices every three positions are a triangle; without normals the mesh is flat. normals and uvs belong to the positions, one each, unless normalIndices or uvIndices say for each corner of the triangles which of them it has, -1 for none.")
         .usage("mesh(#{ positions: [[0, 0, 0], [1, 0, 0], [0, 1, 0]] })")
         .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.85, 0.6, 0.25);\ngroup {\n  translate(-1.2, -0.7, 0);\n  rotate(0, 1, 0, 25);\n  mesh(#{                       // a tent\n    positions: [[-1, 0, 1], [1, 0, 1], [0, 1.5, 1], [-1, 0, -1], [1, 0, -1], [0, 1.5, -1]],\n    indices: [0, 1, 2,  1, 4, 5,  1, 5, 2,  0, 2, 5,  0, 5, 3,  3, 5, 4],\n  });\n}\ndiffuse(0.2, 0.5, 0.7);\ntranslate(1.2, 0, 0); rotate(0, 1, 0, 20); scale(0.7);\nmesh(\"tetrahedron.obj\");")
         .also(&["obj", "model", "loadObj", "import", "triangleMesh"]),
@@ -50,7 +57,7 @@ pub(super) const ENTRIES: &[Entry] = &[
 ];
 
 /// Runs `load` on the files of the current source. An error that belongs to a file keeps its place there.
-fn with_assets<T>(
+pub(super) fn with_assets<T>(
     state: &mut State,
     path: &str,
     load: impl FnOnce(&str, &mut Assets<'_>, &mut Builder) -> Result<T, Box<Diagnostic>>,
@@ -187,29 +194,53 @@ fn from_arrays(call: &Call<'_, '_>, data: &Map) -> Outcome<Mesh> {
     let positions = vectors("positions", positions)?;
     let normals = optional("normals").map(|d| vectors("normals", d)).transpose()?;
     let uvs = optional("uvs").map(|d| tuples::<2>(call, "uvs", d)).transpose()?;
-    let uvs = uvs.map(|uvs| uvs.into_iter().map(DVec2::from_array).collect());
-    let indices = optional("indices").map(|d| indices(call, d)).transpose()?;
-    Ok(mesh_from_arrays(positions, indices.as_deref(), normals, uvs)?)
+    let uvs: Option<Vec<DVec2>> = uvs.map(|uvs| uvs.into_iter().map(DVec2::from_array).collect());
+    let own = |name: &str| optional(name).map(|d| indices(call, name, d)).transpose();
+    let (triangles, of_normals, of_uvs) = (own("indices")?, own("normalIndices")?, own("uvIndices")?);
+    for (values, given, own) in [
+        ("normals", normals.is_some(), of_normals.is_some()),
+        ("uvs", uvs.is_some(), of_uvs.is_some()),
+    ] {
+        if own && !given {
+            return Err(call.error(format!("there are indices of {values}, but no {values}")));
+        }
+    }
+    let (normals, own_normals) = match of_normals {
+        Some(indices) => (None, normals.map(|normals| (normals, indices))),
+        None => (normals, None),
+    };
+    let (uvs, own_uvs) = match of_uvs {
+        Some(indices) => (None, uvs.map(|uvs| (uvs, indices))),
+        None => (uvs, None),
+    };
+    let mut mesh = mesh_from_arrays(positions, triangles.as_deref(), normals, uvs)?;
+    if let Some((normals, indices)) = own_normals {
+        set_normals(&mut mesh, normals, &indices)?;
+    }
+    if let Some((uvs, indices)) = own_uvs {
+        set_uvs(&mut mesh, uvs, &indices)?;
+    }
+    Ok(mesh)
 }
 
 /// Ints, nested in threes or one flat list.
-fn indices(call: &Call<'_, '_>, d: &Dynamic) -> Outcome<Vec<i64>> {
+fn indices(call: &Call<'_, '_>, name: &str, d: &Dynamic) -> Outcome<Vec<i64>> {
     let Some(array) = d.read_lock::<Array>() else {
-        return Err(call.wrong_kind("indices", "an array", d));
+        return Err(call.wrong_kind(name, "an array", d));
     };
     let mut all = Vec::with_capacity(array.len());
     for (i, d) in array.iter().enumerate() {
         if let Some(triangle) = d.read_lock::<Array>() {
             if triangle.len() != 3 {
                 return Err(call
-                    .error(format!("indices[{i}] must be 3 ints, not {}", triangle.len()))
+                    .error(format!("{name}[{i}] must be 3 ints, not {}", triangle.len()))
                     .hint("cut it into triangles: a, b, c, d is a, b, c and a, c, d"));
             }
             for (j, d) in triangle.iter().enumerate() {
-                all.push(index(call, || format!("indices[{i}][{j}]"), d)?);
+                all.push(index(call, || format!("{name}[{i}][{j}]"), d)?);
             }
         } else {
-            all.push(index(call, || format!("indices[{i}]"), d)?);
+            all.push(index(call, || format!("{name}[{i}]"), d)?);
         }
     }
     Ok(all)

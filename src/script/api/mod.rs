@@ -6,6 +6,7 @@ mod camera;
 mod colors;
 mod edition;
 mod functions;
+mod heights;
 mod lights;
 mod materials;
 mod maths;
@@ -31,7 +32,7 @@ use rhai::Module;
 use super::table::{Entry, Kind, Param};
 
 /// Every list, in the order of the reference.
-pub(super) const ALL: [&[Entry]; 18] = [
+pub(super) const ALL: [&[Entry]; 19] = [
     edition::ENTRIES,
     camera::ENTRIES,
     transform::ENTRIES,
@@ -40,6 +41,7 @@ pub(super) const ALL: [&[Entry]; 18] = [
     materials::ENTRIES,
     colors::ENTRIES,
     assets::ENTRIES,
+    heights::ENTRIES,
     lights::ENTRIES,
     queries::ENTRIES,
     output::ENTRIES,

@@ -1,0 +1,13 @@
+//! Surfaces made of triangles: each is worked out here and becomes a [`Mesh`](crate::scene::Mesh) like any other.
+//!
+//! Meshes that are closed are so by their indices: each edge belongs to two triangles, which run along it in opposite
+//! directions. So they have an inside whatever rounding does.
+
+mod allowance;
+mod heights;
+
+pub use allowance::Allowance;
+pub use heights::{HeightField, Heights};
+
+#[cfg(test)]
+mod suite;
