@@ -36,7 +36,16 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     ),
     (
         "import",
-        &["math", "color", "diag", "host", "limits", "scene", "shape"],
+        &[
+            "math",
+            "color",
+            "diag",
+            "host",
+            "limits",
+            "scene",
+            "shape",
+            "tessellate",
+        ],
     ),
     ("parameters", &["diag"]),
     ("recipe", &["parameters"]),

@@ -4,10 +4,11 @@ use std::{collections::BTreeMap, fmt, sync::Arc};
 
 use super::{kept::KeptAssets, text::quoted, texture};
 use crate::{
-    diag::{Diagnostic, ErrorKind},
+    diag::{Code, Diagnostic, ErrorKind},
     host::Host,
     limits::Limits,
     scene::{AssetFiles, Mesh, MeshFile, MeshId, Scene, SceneError, Texture, TextureId},
+    tessellate::Font,
 };
 
 /// Bytes of a path; systems take no more, and messages repeat it.
@@ -20,6 +21,7 @@ pub struct AssetCache {
     textures: BTreeMap<String, Arc<Texture>>,
     /// By path and by the ambient light that went into their materials, if they have any.
     meshes: BTreeMap<(String, Option<[u64; 3]>), Arc<Mesh>>,
+    fonts: BTreeMap<String, Font>,
     files: usize,
     bytes: u64,
     kept: Option<KeptAssets>,
@@ -179,6 +181,28 @@ impl<'a> Assets<'a> {
     pub fn levels(&mut self, path: &str) -> Result<(usize, usize, Vec<f64>), Diagnostic> {
         let bytes = self.read(path)?;
         texture::levels(path, &bytes, self.limits)
+    }
+
+    /// The font at `path`.
+    ///
+    /// # Errors
+    /// As [`Assets::read`], and as [`Font::read`].
+    pub fn font(&mut self, path: &str) -> Result<Font, Diagnostic> {
+        let key = key(path);
+        if let Some(font) = self.cache.fonts.get(&key) {
+            return Ok(font.clone());
+        }
+        let bytes = self.read(path)?;
+        let font = Font::read(&bytes).map_err(|error| {
+            let error = error.of(format_args!("'{path}'"));
+            Diagnostic {
+                kind: ErrorKind::Input,
+                ..Diagnostic::from(error)
+            }
+            .class(Code::MalformedFile)
+        })?;
+        self.cache.fonts.insert(key, font.clone());
+        Ok(font)
     }
 
     /// What earlier runs kept.

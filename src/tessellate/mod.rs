@@ -5,9 +5,11 @@
 
 mod allowance;
 mod heights;
+mod text;
 
 pub use allowance::Allowance;
 pub use heights::{HeightField, Heights};
+pub use text::{Align, Font, Text, TextSize, VerticalAlign};
 
 #[cfg(test)]
 mod suite;

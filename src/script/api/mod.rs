@@ -20,6 +20,7 @@ mod sequences;
 mod shapes;
 mod splines;
 mod strings;
+mod text;
 mod transform;
 mod turning;
 mod vector;
@@ -32,7 +33,7 @@ use rhai::Module;
 use super::table::{Entry, Kind, Param};
 
 /// Every list, in the order of the reference.
-pub(super) const ALL: [&[Entry]; 19] = [
+pub(super) const ALL: [&[Entry]; 20] = [
     edition::ENTRIES,
     camera::ENTRIES,
     transform::ENTRIES,
@@ -42,6 +43,7 @@ pub(super) const ALL: [&[Entry]; 19] = [
     colors::ENTRIES,
     assets::ENTRIES,
     heights::ENTRIES,
+    text::ENTRIES,
     lights::ENTRIES,
     queries::ENTRIES,
     output::ENTRIES,
