@@ -228,6 +228,16 @@ fn write_light(line: &mut String, light: &Light) -> fmt::Result {
             write!(line, "area {corner} edges ({edge1}) ({edge2}) grid {n}")?;
             Some(attenuation)
         }
+        kind => {
+            line.write_str(kind.word())?;
+            for vector in kind.vectors() {
+                write!(line, " {} {}", vector.name, Vector(vector.value))?;
+            }
+            for (name, number) in kind.numbers() {
+                write!(line, " {name} {number}")?;
+            }
+            kind.attenuation()
+        }
     };
     write!(line, " color {}", Vector(light.color))?;
     if let Some(a) = attenuation.filter(|a| **a != super::Attenuation::default()) {

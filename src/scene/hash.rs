@@ -191,6 +191,13 @@ impl Digest {
                 self.int(u64::from(*n));
                 self.attenuation(attenuation);
             }
+            kind => {
+                self.int(3);
+                self.text(kind.word());
+                self.each(&kind.vectors(), |d, vector| d.vector(vector.value));
+                self.each(&kind.numbers(), |d, (_, number)| d.float(*number));
+                self.option(kind.attenuation(), Self::attenuation);
+            }
         }
     }
 

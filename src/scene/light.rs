@@ -1,5 +1,10 @@
 //! Lights.
 
+mod parts;
+mod spot;
+
+pub use spot::Spot;
+
 use crate::{
     color::Color,
     diag::SourceLoc,
@@ -63,6 +68,8 @@ pub enum LightKind {
         /// Fall-off of each point.
         attenuation: Attenuation,
     },
+    /// Light from one point into a cone.
+    Spot(Spot),
 }
 
 impl LightKind {
@@ -99,6 +106,7 @@ impl LightKind {
                 n,
                 attenuation,
             },
+            Self::Spot(ref spot) => Self::Spot(spot.placed(m)?),
         })
     }
 }

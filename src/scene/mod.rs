@@ -28,7 +28,7 @@ pub use camera::{Camera, CameraFrame};
 pub use custom::{CustomReflectance, CustomTexture, ShadingPoint};
 pub use edition::Edition;
 pub use error::SceneError;
-pub use light::{Attenuation, Light, LightKind};
+pub use light::{Attenuation, Light, LightKind, Spot};
 pub use material::{Material, Term};
 pub use mesh::{Attribute, Mesh};
 pub use settings::{Encoding, Settings};

@@ -16,7 +16,7 @@ use crate::{
         },
         quantize,
     },
-    scene::{LightKind, Object},
+    scene::Object,
     script::CallSite,
 };
 
@@ -106,11 +106,7 @@ impl Json<'_> {
 
     fn light(&self, term: &LightTerm<'_>) -> Value {
         let light = self.0.scene.root().lights.get(term.light);
-        let kind = light.map(|light| match light.kind {
-            LightKind::Point { .. } => "point",
-            LightKind::Directional { .. } => "directional",
-            LightKind::Area { .. } => "area",
-        });
+        let kind = light.map(|light| light.kind.word());
         let samples: Vec<Value> = term.samples.iter().map(|sample| self.sample(sample)).collect();
         json!({
             "light": term.light,

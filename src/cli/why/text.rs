@@ -12,7 +12,7 @@ use crate::{
         explain::{BranchOutcome, ExplainedBranch, ExplainedHit, ExplainedRay, LightTerm, Obstacle},
         quantize,
     },
-    scene::{Encoding, LightKind, Object},
+    scene::{Encoding, Object},
 };
 
 /// Rays that are told of; of more, how many there are and what they add.
@@ -240,11 +240,7 @@ impl Text<'_> {
         let Some(light) = a.scene.root().lights.get(term.light) else {
             return;
         };
-        let (kind, points) = match light.kind {
-            LightKind::Point { .. } => ("point", 1),
-            LightKind::Directional { .. } => ("directional", 1),
-            LightKind::Area { n, .. } => ("area", n * n),
-        };
+        let (kind, points) = (light.kind.word(), light.kind.points());
         let name = format!("light {}", term.light);
         let head = format!(
             "{name:8}  {}  {kind} light ({})",

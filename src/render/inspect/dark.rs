@@ -10,7 +10,7 @@ use crate::{
         film::Image,
         world::{Hit, Probe, SurfacePoint},
     },
-    scene::{Light, LightKind, Object},
+    scene::{Light, Object},
 };
 
 /// Points of the picture that are asked, in each direction.
@@ -89,20 +89,14 @@ impl<'s> Causes<'s> {
             self.black += 1;
             return;
         }
-        let towards = match &light.kind {
-            LightKind::Directional { direction } => *direction,
-            LightKind::Point { position, .. } => *position - at.position,
-            LightKind::Area {
-                corner, edge1, edge2, ..
-            } => *corner + (*edge1 + *edge2) * 0.5 - at.position,
-        };
+        let towards = light.kind.towards(at.position);
         if !(towards.dot(at.shading_normal) > 0.0) {
             self.away += 1;
             return;
         }
-        let distance = match light.kind {
-            LightKind::Directional { .. } => f64::INFINITY,
-            _ => towards.length(),
+        let distance = match light.kind.center() {
+            None => f64::INFINITY,
+            Some(_) => towards.length(),
         };
         let ray = Ray::new(at.position, towards / towards.length());
         let probe = Probe::from_surface(ray, hit.number, at.scale.max(max_abs(at.position)));

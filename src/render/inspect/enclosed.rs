@@ -5,7 +5,6 @@ use crate::{
     diag::{Code, Diagnostic},
     math::brief,
     render::solids,
-    scene::LightKind,
 };
 
 /// Lights looked at, at most: hundreds of them light a scene even where one stands in a wall.
@@ -21,13 +20,7 @@ pub(super) fn warnings(world: &World<'_>) -> Vec<Diagnostic> {
         .root()
         .lights
         .iter()
-        .filter_map(|light| match &light.kind {
-            LightKind::Point { position, .. } => Some((light, *position)),
-            LightKind::Area {
-                corner, edge1, edge2, ..
-            } => Some((light, *corner + (*edge1 + *edge2) * 0.5)),
-            LightKind::Directional { .. } => None,
-        })
+        .filter_map(|light| Some((light, light.kind.center()?)))
         .take(LIGHTS)
         .map(|(light, position)| (light, position, around(position)))
         .collect();

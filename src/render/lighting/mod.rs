@@ -6,6 +6,7 @@
 )]
 
 mod area;
+mod kinds;
 
 use super::{
     integrator::{Counts, Path},
@@ -116,6 +117,7 @@ pub(super) fn direct<O: Observer>(
                     together.finish(&mut sum, observer);
                 }
             }
+            _ => lit.add_other(&mut sum, light, path, counts, observer),
         }
     }
     sum

@@ -4,7 +4,7 @@ use super::{Builder, SceneError, finite};
 use crate::{
     color::Color,
     math::DVec3,
-    scene::{Attenuation, Light, LightKind},
+    scene::{Attenuation, Light, LightKind, Spot},
 };
 
 impl Builder {
@@ -84,6 +84,31 @@ impl Builder {
             },
             color,
         )
+    }
+
+    /// A light that shines into a cone under the current matrix, which moves its two points and leaves its angles; see
+    /// [`Spot::new`].
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3, scene::Spot};
+    /// let mut b = Builder::new();
+    /// let (from, at) = (DVec3::new(0.0, 5.0, 0.0), DVec3::ZERO);
+    /// b.spot(Spot::new(from, at, (30.0, 5.0), 0.0, b.current_attenuation())?, DVec3::ONE)?;
+    /// # Ok::<(), rtscript::SceneError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where the current matrix makes position and target one, a number is not finite, or the limit `lights` is passed.
+    pub fn spot(&mut self, spot: Spot, color: Color) -> Result<(), SceneError> {
+        finite("the light's position", spot.position())?;
+        finite("the light's target", spot.target())?;
+        self.push_light(LightKind::Spot(spot), color)
+    }
+
+    /// The fall-off of the lights made now; see [`Builder::attenuation`].
+    #[must_use]
+    pub fn current_attenuation(&self) -> Attenuation {
+        self.attenuation
     }
 
     pub(super) fn push_light(&mut self, kind: LightKind, color: Color) -> Result<(), SceneError> {

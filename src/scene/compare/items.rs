@@ -5,7 +5,7 @@ use crate::{
     diag::SourceLoc,
     math::{DAffine3, DMat3, DVec3},
     scene::{
-        Geometry, Group, Light, LightKind, Material, MaterialId, Mesh, Object, Scene, Term, Texels, Texture,
+        Geometry, Group, Light, Material, MaterialId, Mesh, Object, Scene, Term, Texels, Texture,
         compare::Place,
     },
     shape::Shape,
@@ -261,22 +261,18 @@ pub(super) fn lights<'a>(
     place: &dyn Fn(SourceLoc) -> Place,
 ) -> Vec<Item<'a>> {
     let item = |light: &'a Light| {
-        let (name, at) = match light.kind {
-            LightKind::Point { position, .. } => ("light", position),
-            LightKind::Directional { direction } => ("directional", direction),
-            LightKind::Area { corner, .. } => ("areaLight", corner),
-        };
+        let (name, vectors) = (light.kind.name(), light.kind.vectors());
+        let at = vectors.first().map_or(DVec3::ZERO, |first| first.value);
         let mut form = Digest::new(name);
-        if let LightKind::Area { edge1, edge2, n, .. } = light.kind {
-            form.vector(edge1);
-            form.vector(edge2);
-            form.int(u64::from(n));
+        for vector in vectors.iter().skip(1) {
+            form.vector(vector.value);
         }
+        form.floats(light.kind.numbers().into_iter().map(|(_, number)| number));
         let mut matrix = Digest::new("at");
         matrix.vector(at);
         let mut looks = Digest::new("light");
         looks.vector(light.color);
-        if let LightKind::Point { attenuation: a, .. } | LightKind::Area { attenuation: a, .. } = light.kind {
+        if let Some(a) = light.kind.attenuation() {
             looks.floats([a.constant, a.linear, a.quadratic]);
         }
         let (form, matrix, looks) = (form.done(), matrix.done(), looks.done());

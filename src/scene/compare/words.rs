@@ -9,7 +9,7 @@ use crate::{
     custom::Custom,
     math::DVec3,
     scene::{
-        Encoding, Geometry, Light, LightKind, Material, Object, Scene, Term, Texture,
+        Encoding, Geometry, Light, Material, Object, Scene, Term, Texture,
         literal::{Number, Vector},
     },
     shape::Shape,
@@ -198,50 +198,19 @@ fn light(ways: &mut Vec<Way>, old: &Light, new: &Light) {
             ways.push(Way::Moved(to - from));
         }
     };
-    let attenuations = match (&old.kind, &new.kind) {
-        (
-            LightKind::Point {
-                position: from,
-                attenuation: a,
-            },
-            LightKind::Point {
-                position: to,
-                attenuation: b,
-            },
-        ) => {
-            moved(ways, *from, *to);
-            Some((a, b))
+    let vectors = old.kind.vectors().into_iter().zip(new.kind.vectors());
+    for (i, (from, to)) in vectors.enumerate() {
+        if i == 0 && from.is_point {
+            moved(ways, from.value, to.value);
+        } else {
+            vector(ways, from.name, from.value, to.value);
         }
-        (LightKind::Directional { direction: a }, LightKind::Directional { direction: b }) => {
-            vector(ways, "direction", *a, *b);
-            None
-        }
-        (
-            LightKind::Area {
-                corner: from,
-                edge1: a1,
-                edge2: a2,
-                n: na,
-                attenuation: a,
-            },
-            LightKind::Area {
-                corner: to,
-                edge1: b1,
-                edge2: b2,
-                n: nb,
-                attenuation: b,
-            },
-        ) => {
-            moved(ways, *from, *to);
-            vector(ways, "edge 1", *a1, *b1);
-            vector(ways, "edge 2", *a2, *b2);
-            number(ways, "points per edge", f64::from(*na), f64::from(*nb));
-            Some((a, b))
-        }
-        _ => None,
-    };
+    }
+    for ((what, from), (_, to)) in old.kind.numbers().into_iter().zip(new.kind.numbers()) {
+        number(ways, what, from, to);
+    }
     vector(ways, "color", old.color, new.color);
-    if let Some((a, b)) = attenuations {
+    if let (Some(a), Some(b)) = (old.kind.attenuation(), new.kind.attenuation()) {
         let terms = |a: &crate::scene::Attenuation| DVec3::new(a.constant, a.linear, a.quadratic);
         vector(ways, "attenuation", terms(a), terms(b));
     }

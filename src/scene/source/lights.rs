@@ -1,9 +1,47 @@
 //! Calls that make lights to the bit.
 
+use std::fmt::{self, Display};
+
 use crate::{
+    color::Color,
     math::{DAffine3, DMat3, DVec3},
-    scene::LightKind,
+    scene::{
+        LightKind,
+        literal::{Number, Vector},
+    },
 };
+
+/// The call that makes a light of this kind and color.
+pub(super) struct LightCall<'a>(pub(super) &'a LightKind, pub(super) Color);
+
+impl Display for LightCall<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let color = Vector(self.1);
+        match *self.0 {
+            LightKind::Point { position, .. } => write!(f, "light({}, {color});", Vector(position)),
+            LightKind::Directional { direction } => write!(f, "directional({}, {color});", Vector(direction)),
+            LightKind::Area {
+                corner,
+                edge1,
+                edge2,
+                n,
+                ..
+            } => {
+                let (corner, edge1, edge2) = (Vector(corner), Vector(edge1), Vector(edge2));
+                write!(f, "areaLight({corner}, {edge1}, {edge2}, {color}, {n});")
+            }
+            LightKind::Spot(ref spot) => write!(
+                f,
+                "spot({}, {}, {color}, {}, #{{ penumbra: {}, tightness: {} }});",
+                Vector(spot.position()),
+                Vector(spot.target()),
+                Number(spot.angle()),
+                Number(spot.penumbra()),
+                Number(spot.tightness())
+            ),
+        }
+    }
+}
 
 /// The arguments of a call that makes `kind`, and the matrix it is made under where that is not the identity.
 ///
@@ -35,13 +73,8 @@ fn lengths(kind: &LightKind) -> impl Iterator<Item = LightKind> + use<'_> {
 
 /// The vectors of a light, and whether each is a point.
 fn vectors(kind: &LightKind) -> Vec<(DVec3, bool)> {
-    match *kind {
-        LightKind::Point { position, .. } => vec![(position, true)],
-        LightKind::Directional { direction } => vec![(direction, false)],
-        LightKind::Area {
-            corner, edge1, edge2, ..
-        } => vec![(corner, true), (edge1, false), (edge2, false)],
-    }
+    let vectors = kind.vectors().into_iter();
+    vectors.map(|vector| (vector.value, vector.is_point)).collect()
 }
 
 fn bits(kind: &LightKind) -> Vec<[u64; 3]> {

@@ -18,8 +18,8 @@ use self::{
     textures::{is_named, terms},
 };
 use super::{
-    Attenuation, Encoding, Geometry, Group, ImageTexture, LightKind, Material, MaterialId, MeshId, Object,
-    ROOT_GROUP, Scene, Texels, Texture, TextureId, TransformId,
+    Attenuation, Encoding, Geometry, Group, ImageTexture, Material, MaterialId, MeshId, Object, ROOT_GROUP,
+    Scene, Texels, Texture, TextureId, TransformId,
     literal::{Components, Number, Text, Vector},
 };
 use crate::diag::SourceLoc;
@@ -442,10 +442,7 @@ impl Writer<'_> {
         let lights = part.and_then(|part| group.lights.get(part)).unwrap_or(&[]);
         for light in lights {
             let (matrix, kind) = lights::arguments(&light.kind);
-            let attenuation = match kind {
-                LightKind::Point { attenuation, .. } | LightKind::Area { attenuation, .. } => attenuation,
-                LightKind::Directional { .. } => self.attenuation,
-            };
+            let attenuation = kind.attenuation().copied().unwrap_or(self.attenuation);
             if attenuation != self.attenuation {
                 self.attenuation = attenuation;
                 let Attenuation {
@@ -460,25 +457,7 @@ impl Writer<'_> {
                     Number(quadratic)
                 ))?;
             }
-            let color = Vector(light.color);
-            let call = match kind {
-                LightKind::Point { position, .. } => format!("light({}, {color});", Vector(position)),
-                LightKind::Directional { direction } => {
-                    format!("directional({}, {color});", Vector(direction))
-                }
-                LightKind::Area {
-                    corner,
-                    edge1,
-                    edge2,
-                    n,
-                    ..
-                } => format!(
-                    "areaLight({}, {}, {}, {color}, {n});",
-                    Vector(corner),
-                    Vector(edge1),
-                    Vector(edge2)
-                ),
-            };
+            let call = lights::LightCall(&kind, light.color).to_string();
             let load = matrix.map(|matrix| Load(&matrix).to_string());
             self.under(load.as_deref(), &call, light.loc)?;
         }

@@ -7,6 +7,7 @@ mod colors;
 mod edition;
 mod functions;
 mod heights;
+mod lamps;
 mod lights;
 mod materials;
 mod maths;
@@ -33,7 +34,7 @@ use rhai::Module;
 use super::table::{Entry, Kind, Param};
 
 /// Every list, in the order of the reference.
-pub(super) const ALL: [&[Entry]; 20] = [
+pub(super) const ALL: [&[Entry]; 21] = [
     edition::ENTRIES,
     camera::ENTRIES,
     transform::ENTRIES,
@@ -46,6 +47,7 @@ pub(super) const ALL: [&[Entry]; 20] = [
     text::ENTRIES,
     lights::ENTRIES,
     queries::ENTRIES,
+    lamps::ENTRIES,
     output::ENTRIES,
     params::ENTRIES,
     vector::ENTRIES,
