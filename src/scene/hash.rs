@@ -197,6 +197,7 @@ impl Digest {
                 self.each(&kind.vectors(), |d, vector| d.vector(vector.value));
                 self.each(&kind.numbers(), |d, (_, number)| d.float(*number));
                 self.option(kind.attenuation(), Self::attenuation);
+                self.each(kind.triangles(), |d, corners| d.vectors(*corners));
             }
         }
     }

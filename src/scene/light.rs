@@ -1,9 +1,14 @@
 //! Lights.
 
+mod far;
 mod parts;
 mod spot;
+mod surface;
 
+pub use far::{Projector, Sun};
 pub use spot::Spot;
+pub(crate) use surface::around;
+pub use surface::{Falloff, LightForm, LightMesh, SurfaceLight};
 
 use crate::{
     color::Color,
@@ -70,10 +75,16 @@ pub enum LightKind {
     },
     /// Light from one point into a cone.
     Spot(Spot),
+    /// Light from the points of a surface.
+    Surface(SurfaceLight),
+    /// Parallel light with soft shadows.
+    Sun(Sun),
+    /// Light through a picture.
+    Projector(Projector),
 }
 
 impl LightKind {
-    /// The light in the space that `m` leads to; `None` where its direction becomes zero.
+    /// The light in the space that `m` leads to; `None` where nothing is left of its direction or its size.
     pub(crate) fn placed(&self, m: &DAffine3) -> Option<Self> {
         Some(match *self {
             Self::Point {
@@ -107,6 +118,9 @@ impl LightKind {
                 attenuation,
             },
             Self::Spot(ref spot) => Self::Spot(spot.placed(m)?),
+            Self::Surface(ref surface) => Self::Surface(surface.placed(m)?),
+            Self::Sun(ref sun) => Self::Sun(sun.placed(m)?),
+            Self::Projector(ref projector) => Self::Projector(projector.placed(m)?),
         })
     }
 }

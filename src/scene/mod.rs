@@ -28,7 +28,10 @@ pub use camera::{Camera, CameraFrame};
 pub use custom::{CustomReflectance, CustomTexture, ShadingPoint};
 pub use edition::Edition;
 pub use error::SceneError;
-pub use light::{Attenuation, Light, LightKind, Spot};
+pub(crate) use light::around;
+pub use light::{
+    Attenuation, Falloff, Light, LightForm, LightKind, LightMesh, Projector, Spot, Sun, SurfaceLight,
+};
 pub use material::{Material, Term};
 pub use mesh::{Attribute, Mesh};
 pub use settings::{Encoding, Settings};

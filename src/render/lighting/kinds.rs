@@ -1,14 +1,19 @@
 //! Kinds of lights that are rarer than points, directions and areas: kept away from the loop over those.
 
-use super::Lit;
+use super::{
+    Lit, Together,
+    lamp::{Lamp, in_cone},
+    surface,
+};
 use crate::{
     color::Color,
-    math::DVec3,
+    math::{self, DVec2, DVec3},
     render::{
         integrator::{Counts, Path},
         observe::Observer,
+        world::World,
     },
-    scene::{Light, LightKind},
+    scene::{LightKind, Projector, Scene},
 };
 
 /// Light on its way from a point of a light, if nothing is in between.
@@ -22,24 +27,76 @@ pub(super) struct Sent {
     pub(super) arriving: Color,
 }
 
-/// What a light sends to `p`, which none of its points sees otherwise than the others; `None` where that is nothing.
-fn from_a_point(light: &Light, p: DVec3) -> Option<Sent> {
+/// What the point `at` in [0, 1)^2 of the light of number `index` sends to `p` were it the whole light; `None` where
+/// that is nothing.
+pub(super) fn sent(world: &World<'_>, index: usize, p: DVec3, at: (f64, f64)) -> Option<Sent> {
+    let light = world.scene.root().lights.get(index)?;
+    let lamp = world.lamps.get(index).unwrap_or(&Lamp::Plain);
+    let from = |position: DVec3, share: Color, attenuation: &crate::scene::Attenuation| {
+        let offset = position - p;
+        let distance = offset.length();
+        (share != Color::ZERO).then(|| Sent {
+            towards: offset / distance,
+            distance,
+            arriving: light.color * attenuation.at(distance) * share,
+        })
+    };
     match &light.kind {
         LightKind::Spot(spot) => {
-            let offset = spot.position() - p;
-            let share = spot.share(-offset);
-            if share == 0.0 {
-                return None;
-            }
-            let distance = offset.length();
+            let share = spot.share(p - spot.position());
+            from(spot.position(), Color::splat(share), spot.attenuation())
+        }
+        LightKind::Projector(projector) => {
+            let share = projected(world.scene, projector, lamp, p)?;
+            from(projector.position(), share, projector.attenuation())
+        }
+        LightKind::Surface(light_surface) => surface::sent((light_surface, lamp, light.color), p, at),
+        LightKind::Sun(sun) => {
+            let half = math::sin_cos_degrees(0.5 * sun.angle()).0;
             Some(Sent {
-                towards: offset / distance,
-                distance,
-                arriving: light.color * (spot.attenuation().at(distance) * share),
+                towards: in_cone(sun.direction(), 2.0 * half * half, at.0, at.1),
+                distance: f64::INFINITY,
+                arriving: light.color,
             })
         }
-        _ => None,
+        LightKind::Point {
+            position,
+            attenuation,
+        } => from(*position, Color::ONE, attenuation),
+        LightKind::Directional { direction } => Some(Sent {
+            towards: *direction,
+            distance: f64::INFINITY,
+            arriving: light.color,
+        }),
+        LightKind::Area {
+            corner,
+            edge1,
+            edge2,
+            attenuation,
+            ..
+        } => from(*corner + *edge1 * at.0 + *edge2 * at.1, Color::ONE, attenuation),
     }
+}
+
+/// The color of the picture on its way to `p`; `None` beyond its edges and behind the projector.
+fn projected(scene: &Scene, projector: &Projector, lamp: &Lamp, p: DVec3) -> Option<Color> {
+    let Lamp::Projector([right, up, ahead], extent) = lamp else {
+        return None;
+    };
+    let texture = scene.textures.get(projector.image().index())?;
+    let offset = p - projector.position();
+    let depth = offset.dot(*ahead);
+    if !(depth > 0.0) {
+        return None;
+    }
+    let aspect = match &**texture {
+        crate::scene::Texture::Image(image) => f64::from(image.width) / f64::from(image.height),
+        _ => 1.0,
+    };
+    let y = offset.dot(*up) / (depth * extent);
+    let x = offset.dot(*right) / (depth * extent * aspect);
+    let is_within = x.abs() < 1.0 && y.abs() < 1.0;
+    is_within.then(|| texture.color(DVec2::new(0.5 + 0.5 * x, 0.5 + 0.5 * y), DVec3::new(x, y, 0.0)))
 }
 
 impl Lit<'_> {
@@ -49,18 +106,39 @@ impl Lit<'_> {
     pub(super) fn add_other<O: Observer>(
         &self,
         sum: &mut Color,
-        light: &Light,
-        _path: &Path<'_>,
+        index: usize,
+        path: &Path<'_>,
         counts: &mut Counts,
         observer: &mut O,
     ) {
-        if let LightKind::Spot(spot) = &light.kind
-            && self.is_behind(spot.position() - self.at.position)
-        {
+        let Some(light) = self.world.scene.root().lights.get(index) else {
+            return;
+        };
+        let points = light.kind.points();
+        if points == 1 && !matches!(light.kind, LightKind::Surface(_) | LightKind::Sun(_)) {
+            let is_behind = light
+                .kind
+                .center()
+                .is_some_and(|c| self.is_behind(c - self.at.position));
+            if !is_behind && let Some(sent) = sent(self.world, index, self.at.position, (0.0, 0.0)) {
+                self.add(sum, sent.arriving, sent.towards, sent.distance, counts, observer);
+            }
             return;
         }
-        if let Some(sent) = from_a_point(light, self.at.position) {
-            self.add(sum, sent.arriving, sent.towards, sent.distance, counts, observer);
+        if path.interrupt.poll() {
+            return;
         }
+        let n = points.isqrt();
+        let mut together = Together::new(self);
+        for cell in 0..points {
+            let random = |k: u64| path.random(index as u64, 2 * u64::from(cell) + k);
+            let u = (f64::from(cell % n) + random(0)) / f64::from(n);
+            let v = (f64::from(cell / n) + random(1)) / f64::from(n);
+            if let Some(mut sent) = sent(self.world, index, self.at.position, (u, v)) {
+                sent.arriving /= f64::from(points);
+                together.add_sent(sum, &sent, counts, observer);
+            }
+        }
+        together.finish(sum, observer);
     }
 }

@@ -7,6 +7,12 @@
 
 mod area;
 mod kinds;
+mod lamp;
+mod surface;
+#[cfg(test)]
+mod tests;
+
+pub(super) use lamp::Lamp;
 
 use super::{
     integrator::{Counts, Path},
@@ -14,6 +20,7 @@ use super::{
     world::{Blocker, FewObstacles, PACKET, Probe, SurfacePoint, World},
 };
 use area::{Area, LANES, Lanes, Samples, each, three};
+use kinds::Sent;
 
 use crate::{
     color::Color,
@@ -117,7 +124,7 @@ pub(super) fn direct<O: Observer>(
                     together.finish(&mut sum, observer);
                 }
             }
-            _ => lit.add_other(&mut sum, light, path, counts, observer),
+            _ => lit.add_other(&mut sum, index, path, counts, observer),
         }
     }
     sum
@@ -435,6 +442,22 @@ impl<'l, 'a> Together<'l, 'a> {
             if self.len == PACKET {
                 self.finish(sum, observer);
             }
+        }
+    }
+
+    /// As [`Lit::add`], now or later.
+    fn add_sent<O: Observer>(&mut self, sum: &mut Color, sent: &Sent, counts: &mut Counts, observer: &mut O) {
+        let response = self.lit.respond(sent.towards);
+        if response == Color::ZERO {
+            return;
+        }
+        counts.shadow += 1;
+        let at = self.len % PACKET;
+        (self.probes[at], self.reach[at]) = self.lit.shadow_ray(sent.towards, sent.distance);
+        (self.arriving[at], self.response[at]) = (sent.arriving, response);
+        self.len += 1;
+        if self.len == PACKET {
+            self.finish(sum, observer);
         }
     }
 

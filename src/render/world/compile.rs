@@ -5,7 +5,7 @@ use std::{borrow::Cow, collections::HashMap};
 use rayon::prelude::*;
 
 use super::{
-    super::interrupt::Interrupt,
+    super::{interrupt::Interrupt, lighting::Lamp},
     World,
     kept::{KeptTrees, Key},
     level::{Instance, Level, PlacedShape, PlacedSphere, Primitive, TriangleRun, TriangleSource},
@@ -86,6 +86,7 @@ impl<'s> World<'s> {
             keys: compiler.keys,
             packets: true,
             interrupt: None,
+            lamps: Lamp::of_all(scene),
             uv_everywhere: false,
         };
         match (compiled, trees) {

@@ -35,7 +35,7 @@ pub(crate) use query::{Blocker, Hit, Probe};
 pub(crate) use shaft::FewObstacles;
 pub(crate) use surface::SurfacePoint;
 
-use super::{interrupt::Interrupt, solids};
+use super::{interrupt::Interrupt, lighting::Lamp, solids};
 use crate::{
     math::{Bounds3, DVec3, Ray},
     scene::Scene,
@@ -68,6 +68,8 @@ pub struct World<'s> {
     pub(crate) packets: bool,
     /// Looked at where a single question may go on for very long: in instances of instances.
     pub(super) interrupt: Option<&'s Interrupt<'s>>,
+    /// What the lights of the root need besides what the scene says, by their number; empty where none needs anything.
+    pub(super) lamps: Vec<Lamp>,
     /// Texture coordinates are wanted of every surface, also where no texture asks for them.
     pub(crate) uv_everywhere: bool,
 }

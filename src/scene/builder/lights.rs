@@ -3,8 +3,9 @@
 use super::{Builder, SceneError, finite};
 use crate::{
     color::Color,
+    diag::Code,
     math::DVec3,
-    scene::{Attenuation, Light, LightKind, Spot},
+    scene::{Attenuation, Light, LightKind, Projector, Spot, Sun, SurfaceLight},
 };
 
 impl Builder {
@@ -105,6 +106,43 @@ impl Builder {
         self.push_light(LightKind::Spot(spot), color)
     }
 
+    /// A light that is a surface, under the current matrix.
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3, scene::{Falloff, SurfaceLight}};
+    /// let mut b = Builder::new();
+    /// let (center, down) = (DVec3::new(0.0, 3.0, 0.0), DVec3::NEG_Y);
+    /// b.surface_light(SurfaceLight::disk(center, down, 0.5, 4, Falloff::Physical)?, DVec3::splat(9.0))?;
+    /// # Ok::<(), rtscript::SceneError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where a number is not finite, the current matrix flattens a sphere, or the limits `lights` or, by the triangles of
+    /// a mesh, `primitives` are passed.
+    pub fn surface_light(&mut self, light: SurfaceLight, color: Color) -> Result<(), SceneError> {
+        self.push_light(LightKind::Surface(light), color)
+    }
+
+    /// Parallel light with soft shadows; its direction is turned by the current matrix.
+    ///
+    /// # Errors
+    /// Where the direction becomes zero, a number is not finite, or the limit `lights` is passed.
+    pub fn sun(&mut self, sun: Sun, color: Color) -> Result<(), SceneError> {
+        finite("the light's direction", sun.direction())?;
+        self.push_light(LightKind::Sun(sun), color)
+    }
+
+    /// A projector of pictures, under the current matrix.
+    ///
+    /// # Errors
+    /// Where the current matrix leaves no direction, a number is not finite, or the limit `lights` is passed.
+    pub fn projector(&mut self, projector: Projector, color: Color) -> Result<(), SceneError> {
+        for v in [projector.position(), projector.target(), projector.up()] {
+            finite("the projector's position, target and up", v)?;
+        }
+        self.push_light(LightKind::Projector(projector), color)
+    }
+
     /// The fall-off of the lights made now; see [`Builder::attenuation`].
     #[must_use]
     pub fn current_attenuation(&self) -> Attenuation {
@@ -116,10 +154,28 @@ impl Builder {
         if self.lights >= self.limits.lights {
             return Err(SceneError::limit("too many lights", "lights", self.limits.lights));
         }
-        let kind = kind.placed(self.ctm.matrix()).ok_or_else(|| {
-            SceneError::new("the light's direction is zero")
-                .hint("directional(direction, color): the direction points towards the light")
-        })?;
+        let triangles = kind.triangles().len();
+        self.primitives = self.primitives.saturating_add(triangles);
+        if triangles > 0 && self.primitives > self.limits.primitives {
+            return Err(SceneError::limit(
+                "too many shapes",
+                "primitives",
+                self.limits.primitives,
+            ));
+        }
+        let kind = match kind {
+            LightKind::Directional { .. } | LightKind::Sun(_) => {
+                kind.placed(self.ctm.matrix()).ok_or_else(|| {
+                    SceneError::new("the light's direction is zero")
+                        .hint("directional(direction, color): the direction points towards the light")
+                })?
+            }
+            _ => kind.placed(self.ctm.matrix()).ok_or_else(|| {
+                SceneError::new("the current matrix flattens the light to nothing")
+                    .class(Code::SingularMatrix)
+                    .hint("is a component of scale(...) 0?")
+            })?,
+        };
         self.lights += 1;
         self.group.lights.push(Light {
             kind,

@@ -267,6 +267,9 @@ pub(super) fn lights<'a>(
         for vector in vectors.iter().skip(1) {
             form.vector(vector.value);
         }
+        for corner in light.kind.triangles().as_flattened() {
+            form.vector(*corner);
+        }
         form.floats(light.kind.numbers().into_iter().map(|(_, number)| number));
         let mut matrix = Digest::new("at");
         matrix.vector(at);

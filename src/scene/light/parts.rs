@@ -1,6 +1,6 @@
 //! Lights as lists of vectors and numbers: what a hash, a dump and a comparison say of all kinds alike.
 
-use super::{Attenuation, LightKind};
+use super::{Attenuation, LightForm, LightKind};
 use crate::math::{DAffine3, DVec3};
 
 /// A point or a vector of a light.
@@ -22,6 +22,14 @@ impl LightVector {
             is_point: true,
         }
     }
+
+    pub(super) fn vector(name: &'static str, value: DVec3) -> Self {
+        Self {
+            name,
+            value,
+            is_point: false,
+        }
+    }
 }
 
 /// A point under a matrix, without negative zeros: no matrix that a script can write would give them back.
@@ -38,15 +46,20 @@ impl LightKind {
             Self::Directional { .. } => "directional",
             Self::Area { .. } => "areaLight",
             Self::Spot(_) => "spot",
+            Self::Surface(surface) => surface.name(),
+            Self::Sun(_) => "directional",
+            Self::Projector(_) => "projector",
         }
     }
 
-    /// One word for it: `point`, `directional`, `area`, `spot`.
+    /// One word for it: `point`, `directional`, `area`, `spot`, `rectangle`, `disk`, `sphere`, `mesh`, `sun`, `projector`.
     #[must_use]
     pub fn word(&self) -> &'static str {
         match self {
             Self::Point { .. } => "point",
             Self::Area { .. } => "area",
+            Self::Surface(surface) => surface.word(),
+            Self::Sun(_) => "sun",
             _ => self.name(),
         }
     }
@@ -56,11 +69,13 @@ impl LightKind {
     pub fn center(&self) -> Option<DVec3> {
         match *self {
             Self::Point { position, .. } => Some(position),
-            Self::Directional { .. } => None,
+            Self::Directional { .. } | Self::Sun(_) => None,
             Self::Area {
                 corner, edge1, edge2, ..
             } => Some(corner + (edge1 + edge2) * 0.5),
             Self::Spot(ref spot) => Some(spot.position()),
+            Self::Surface(ref surface) => Some(surface.center()),
+            Self::Projector(ref projector) => Some(projector.position()),
         }
     }
 
@@ -69,6 +84,7 @@ impl LightKind {
     pub fn towards(&self, from: DVec3) -> DVec3 {
         match self {
             Self::Directional { direction } => *direction,
+            Self::Sun(sun) => sun.direction(),
             _ => self.center().map_or(DVec3::ZERO, |center| center - from),
         }
     }
@@ -78,6 +94,8 @@ impl LightKind {
     pub fn points(&self) -> u32 {
         match *self {
             Self::Area { n, .. } => n * n,
+            Self::Surface(ref surface) => surface.n() * surface.n(),
+            Self::Sun(ref sun) => sun.n() * sun.n(),
             _ => 1,
         }
     }
@@ -87,18 +105,16 @@ impl LightKind {
     pub fn attenuation(&self) -> Option<&Attenuation> {
         match self {
             Self::Point { attenuation, .. } | Self::Area { attenuation, .. } => Some(attenuation),
-            Self::Directional { .. } => None,
+            Self::Directional { .. } | Self::Sun(_) => None,
             Self::Spot(spot) => Some(spot.attenuation()),
+            Self::Surface(surface) => surface.attenuation(),
+            Self::Projector(projector) => Some(projector.attenuation()),
         }
     }
 
     /// Its points and vectors, the point that says where it is first.
     pub(crate) fn vectors(&self) -> Vec<LightVector> {
-        let vector = |name, value| LightVector {
-            name,
-            value,
-            is_point: false,
-        };
+        let vector = LightVector::vector;
         match *self {
             Self::Point { position, .. } => vec![LightVector::point("position", position)],
             Self::Directional { direction } => vec![vector("direction", direction)],
@@ -110,6 +126,9 @@ impl LightKind {
                 vector("edge 2", edge2),
             ],
             Self::Spot(ref spot) => spot.vectors(),
+            Self::Surface(ref surface) => surface.vectors(),
+            Self::Sun(ref sun) => sun.vectors(),
+            Self::Projector(ref projector) => projector.vectors(),
         }
     }
 
@@ -119,6 +138,21 @@ impl LightKind {
             Self::Point { .. } | Self::Directional { .. } => Vec::new(),
             Self::Area { n, .. } => vec![("points per edge", f64::from(n))],
             Self::Spot(ref spot) => spot.numbers(),
+            Self::Surface(ref surface) => surface.numbers(),
+            Self::Sun(ref sun) => sun.numbers(),
+            Self::Projector(ref projector) => projector.numbers(),
+        }
+    }
+
+    /// The triangles that shine.
+    #[must_use]
+    pub fn triangles(&self) -> &[[DVec3; 3]] {
+        match self {
+            Self::Surface(surface) => match surface.form() {
+                LightForm::Mesh(mesh) => mesh.triangles(),
+                _ => &[],
+            },
+            _ => &[],
         }
     }
 }

@@ -6,8 +6,8 @@ use crate::{
     color::Color,
     math::{DAffine3, DMat3, DVec3},
     scene::{
-        LightKind,
-        literal::{Number, Vector},
+        Falloff, LightForm, LightKind,
+        literal::{Components, Number, Vector},
     },
 };
 
@@ -39,6 +39,47 @@ impl Display for LightCall<'_> {
                 Number(spot.penumbra()),
                 Number(spot.tightness())
             ),
+            LightKind::Surface(ref surface) => {
+                let n = surface.n();
+                match surface.form() {
+                    LightForm::Rectangle => {
+                        write!(f, "areaLight([0, 0, 0], [1, 0, 0], [0, 1, 0], {color}, {n}")?;
+                    }
+                    LightForm::Disk => write!(f, "diskLight([0, 0, 0], [0, 0, 1], 1, {color}, {n}")?,
+                    LightForm::Sphere => write!(f, "sphereLight([0, 0, 0], 1, {color}, {n}")?,
+                    LightForm::Mesh(mesh) => {
+                        f.write_str("meshLight(#{ positions: [")?;
+                        for (i, p) in mesh.triangles().as_flattened().iter().enumerate() {
+                            let separator = if i == 0 { "" } else { ", " };
+                            write!(f, "{separator}{}", Components(*p))?;
+                        }
+                        write!(f, "] }}, {color}, {n}")?;
+                    }
+                }
+                f.write_str(match surface.falloff() {
+                    Falloff::Attenuation(_) if *surface.form() == LightForm::Rectangle => {
+                        ", #{ falloff: \"attenuation\" });"
+                    }
+                    Falloff::Attenuation(_) => ");",
+                    Falloff::Physical => ", #{ falloff: \"physical\" });",
+                })
+            }
+            LightKind::Sun(ref sun) => write!(
+                f,
+                "directional({}, {color}, #{{ angle: {}, n: {} }});",
+                Vector(sun.direction()),
+                Number(sun.angle()),
+                sun.n()
+            ),
+            LightKind::Projector(ref projector) => write!(
+                f,
+                "projector({}, {}, {}, {}, texture_{}, {color});",
+                Vector(projector.position()),
+                Vector(projector.target()),
+                Vector(projector.up()),
+                Number(projector.fovy()),
+                projector.image().0
+            ),
         }
     }
 }
@@ -48,6 +89,9 @@ impl Display for LightCall<'_> {
 /// A call multiplies what it is given by the current matrix, which turns -0 into 0, and makes a direction as long as 1,
 /// which may change the last digit of one that is. What comes closest is taken where no call gives the same bits.
 pub(super) fn arguments(kind: &LightKind) -> (Option<DAffine3>, LightKind) {
+    if let LightKind::Surface(surface) = kind {
+        return (Some(*surface.placing()), LightKind::Surface(surface.unplaced()));
+    }
     let tries = lengths(kind).flat_map(|given| {
         let matrix = keeping_signs(&given);
         [(None, given.clone()), (matrix, given)]
@@ -66,6 +110,10 @@ fn lengths(kind: &LightKind) -> impl Iterator<Item = LightKind> + use<'_> {
         LightKind::Directional { direction } => Some(LightKind::Directional {
             direction: *direction * (1.0 + f64::from(i) / 1024.0),
         }),
+        LightKind::Sun(sun) => {
+            let longer = sun.direction() * (1.0 + f64::from(i) / 1024.0);
+            Some(LightKind::Sun(sun.with_direction(longer)))
+        }
         _ => None,
     });
     [kind.clone()].into_iter().chain(longer)

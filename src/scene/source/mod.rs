@@ -18,8 +18,8 @@ use self::{
     textures::{is_named, terms},
 };
 use super::{
-    Attenuation, Encoding, Geometry, Group, ImageTexture, Material, MaterialId, MeshId, Object, ROOT_GROUP,
-    Scene, Texels, Texture, TextureId, TransformId,
+    Attenuation, Encoding, Geometry, Group, ImageTexture, LightKind, Material, MaterialId, MeshId, Object,
+    ROOT_GROUP, Scene, Texels, Texture, TextureId, TransformId,
     literal::{Components, Number, Text, Vector},
 };
 use crate::diag::SourceLoc;
@@ -456,6 +456,9 @@ impl Writer<'_> {
                     Number(linear),
                     Number(quadratic)
                 ))?;
+            }
+            if let LightKind::Projector(projector) = &kind {
+                self.register_textures(projector.image().index() + 1)?;
             }
             let call = lights::LightCall(&kind, light.color).to_string();
             let load = matrix.map(|matrix| Load(&matrix).to_string());

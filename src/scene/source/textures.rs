@@ -1,6 +1,6 @@
 //! Which textures a scene's materials name.
 
-use crate::scene::{Material, MaterialId, Scene, TextureId};
+use crate::scene::{LightKind, Material, MaterialId, Scene, TextureId};
 
 /// For each texture whether objects name it themselves, or nothing does: not those that only files bring.
 pub(super) fn is_named(scene: &Scene) -> Vec<bool> {
@@ -30,7 +30,14 @@ pub(super) fn is_named(scene: &Scene) -> Vec<bool> {
     };
     let objects = scene.groups.iter().flat_map(|group| &group.objects);
     let faces = scene.meshes.iter().flat_map(|mesh| &mesh.face_materials);
-    let by_objects = used(&mut objects.map(|object| object.material));
+    let mut by_objects = used(&mut objects.map(|object| object.material));
+    for light in scene.groups.iter().flat_map(|group| &group.lights) {
+        if let LightKind::Projector(projector) = &light.kind
+            && let Some(used) = by_objects.get_mut(projector.image().index())
+        {
+            *used = true;
+        }
+    }
     let by_faces = used(&mut faces.copied());
     let both = by_objects.into_iter().zip(by_faces);
     both.map(|(by_object, by_face)| by_object || !by_face).collect()

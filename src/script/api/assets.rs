@@ -179,6 +179,12 @@ fn wants_materials(call: &mut Call<'_, '_>) -> Outcome<bool> {
     }
 }
 
+/// The triangles of a map of positions and indices.
+pub(super) fn mesh_data(call: &Call<'_, '_>, data: &Map) -> Outcome<Mesh> {
+    call.known_keys(data, &["indices", "positions"])?;
+    from_arrays(call, data)
+}
+
 fn from_arrays(call: &Call<'_, '_>, data: &Map) -> Outcome<Mesh> {
     call.known_keys(data, &KEYS)?;
     let Some(positions) = data.get("positions") else {

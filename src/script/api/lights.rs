@@ -1,8 +1,12 @@
 //! Lights, placed under the current matrix.
 
-use super::{color, int, number, vec3};
+use super::{
+    color, int,
+    lamps::{SURFACE_OPTIONS, falloff, number_or, options},
+    map, number, vec3,
+};
 use crate::{
-    scene::Attenuation,
+    scene::{Attenuation, Sun, SurfaceLight},
     script::{
         call::Call,
         session::State,
@@ -10,6 +14,8 @@ use crate::{
         value::Outcome,
     },
 };
+
+const DIRECTIONAL_OPTIONS: [&str; 2] = ["angle", "n"];
 
 const POINT: &[Param] = &[
     vec3("position", "object units", "where it is"),
@@ -32,8 +38,11 @@ pub(super) const ENTRIES: &[Entry] = &[
         .takes(&[&[
             vec3("direction", "none", "points towards the light, of any length but 0"),
             color("color", "its light"),
+            map("options", "angle: degrees from the middle to the edge of a light that is a disk in the sky, above 0 and at most 90, for soft shadows (the sun's is 0.27); n: n x n jittered points of it, 4 unless given")
+                .keys(&DIRECTIONAL_OPTIONS)
+                .or("#{}"),
         ]])
-        .doc("Parallel light from far away, never attenuated.")
+        .doc("Parallel light from far away, never attenuated. With an angle it casts soft shadows.")
         .usage("directional([1, 1, 1], [1, 1, 1])")
         .example("background(\"#cfe3f5\");\ncamera([0, 2.5, 6], [0, 0.7, 0], [0, 1, 0], 36);\nambient(0.08, 0.08, 0.1);\ndiffuse(0.8, 0.8, 0.75);\nplane();\ndirectional([2, 1.5, 1], [0.9, 0.8, 0.6]);   // low in the east\ndiffuse(0.8, 0.25, 0.15);\nfor x in -1..2 { sphere(x * 1.7, 0.6, 0, 0.6); }")
         .also(&["directionalLight", "sun", "distantLight"]),
@@ -54,11 +63,14 @@ pub(super) const ENTRIES: &[Entry] = &[
             vec3("edge2", "object units", "from the corner to the other neighbour"),
             color("color", "its light in all"),
             int("n", "points per edge", "n x n jittered points, 1 to 256"),
+            map("options", "falloff: \"attenuation\" or \"physical\", as for diskLight; the front is where edge1, edge2 turn counter-clockwise")
+                .keys(&SURFACE_OPTIONS)
+                .or("#{}"),
         ]])
         .doc("A shining parallelogram that casts soft shadows, as a grid of jittered points. It is not seen itself.")
         .usage("areaLight([-1, 4, -1], [2, 0, 0], [0, 0, 2], [1, 1, 1], 4)")
         .example("background(\"#cfe3f5\");\ncamera([0, 2.5, 6], [0, 0.7, 0], [0, 1, 0], 36);\nambient(0.08, 0.08, 0.1);\ndiffuse(0.8, 0.8, 0.75);\nplane();\nareaLight([-1, 4, 1], [2, 0, 0], [0, 0, 2], [0.9, 0.85, 0.8], 4);\ndiffuse(0.8, 0.25, 0.15);\nsphere(0, 0.9, 0, 0.9);")
-        .also(&["rectLight", "quadLight", "softLight"]),
+        .also(&["rectLight", "rectangleLight", "quadLight"]),
 ];
 
 fn point(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
@@ -70,8 +82,25 @@ fn point(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
 
 fn directional(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     let (direction, color) = (call.vec3("direction")?, call.color("color")?);
+    let options = options(call, &DIRECTIONAL_OPTIONS)?;
     call.end()?;
-    state.builder.directional(direction, color)?;
+    if options.is_empty() {
+        state.builder.directional(direction, color)?;
+        return DONE;
+    }
+    let Some(angle) = options.get("angle") else {
+        return Err(call
+            .error("n is for a light with an angle")
+            .hint("for example directional([1, 1, 1], [1, 1, 1], #{ angle: 2, n: 4 })"));
+    };
+    let n = number_or(call, &options, "n", 4.0)?;
+    let n = if n.trunc() == n && (0.0..1e9).contains(&n) {
+        n as u32
+    } else {
+        return Err(call.error(format!("n must be a whole number, not {n}")));
+    };
+    let sun = Sun::new(direction, call.number_from("angle", angle)?, n)?;
+    state.builder.sun(sun, color)?;
     DONE
 }
 
@@ -90,7 +119,14 @@ fn area_light(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     let (corner, edge1, edge2) = (call.vec3("corner")?, call.vec3("edge1")?, call.vec3("edge2")?);
     let color = call.color("color")?;
     let n = call.count("n", 1)?;
+    let options = options(call, &SURFACE_OPTIONS)?;
     call.end()?;
+    if !options.is_empty() {
+        let falloff = falloff(call, &options, state)?;
+        let light = SurfaceLight::rectangle(corner, [edge1, edge2], n, falloff)?;
+        state.builder.surface_light(light, color)?;
+        return DONE;
+    }
     state.builder.area_light(corner, edge1, edge2, color, n)?;
     DONE
 }
