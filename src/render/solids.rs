@@ -48,9 +48,9 @@ fn left_by<'s>(
         let Some(at) = world.surface(&hit, &ray) else {
             break;
         };
-        let object = world.objects_of(hit.number).last().copied();
+        let (place, object) = solid_of(world, hit.number);
         if let Some(object) = object.filter(|o| is_solid(o) && counts(&at)) {
-            let entry = balance.entry(world.places_of(hit.number)).or_insert((0, object));
+            let entry = balance.entry(place).or_insert((0, object));
             entry.0 += if at.from_front { -1 } else { 1 };
         }
         ray = Ray::new(at.position, ray.dir);
@@ -60,11 +60,26 @@ fn left_by<'s>(
     left.map(|(place, (_, object))| (place, object)).collect()
 }
 
+/// The object that a surface belongs to: of what is put together from several, the whole.
+fn solid_of<'s>(world: &World<'s>, number: u64) -> (Place, Option<&'s Object>) {
+    let (mut place, objects) = (world.places_of(number), world.objects_of(number));
+    let whole = objects
+        .iter()
+        .position(|o| matches!(o.geometry, Geometry::Csg(..)));
+    match whole {
+        Some(whole) => {
+            place.truncate(whole + 1);
+            (place, objects.get(whole).copied())
+        }
+        None => (place, objects.last().copied()),
+    }
+}
+
 /// Whether it has an inside; a mesh may have one.
 fn is_solid(object: &Object) -> bool {
     match &object.geometry {
         Geometry::Shape(shape) => shape.is_solid(),
-        Geometry::Mesh(_) => true,
+        Geometry::Mesh(_) | Geometry::Csg(..) => true,
         Geometry::Triangle(_) | Geometry::Instance(_) => false,
     }
 }

@@ -1,6 +1,6 @@
 //! How far groups reach.
 
-use super::{Geometry, GroupId, Object, Scene};
+use super::{CsgOp, Geometry, GroupId, Object, Scene};
 use crate::math::Bounds3;
 
 impl Scene {
@@ -57,8 +57,22 @@ impl Known<'_> {
                     .get_or_insert_with(|| mesh.bounds())
             }
             Geometry::Instance(id) => (*self.groups.get(id.index())?)??,
+            Geometry::Csg(id, op) => self.solid(*id, *op)?,
         };
         Some(own.transformed(placing))
+    }
+
+    /// A box around what the parts in a group make together.
+    fn solid(&mut self, id: GroupId, op: CsgOp) -> Option<Bounds3> {
+        let parts = &self.scene.groups.get(id.index())?.objects;
+        match op {
+            CsgOp::Union => self.around(parts),
+            CsgOp::Difference => self.object(parts.first()?),
+            CsgOp::Intersection => parts
+                .iter()
+                .filter_map(|part| self.object(part))
+                .reduce(|a, b| Bounds3::new(a.min.max(b.min), a.max.min(b.max))),
+        }
     }
 }
 

@@ -136,8 +136,9 @@ impl Scene {
             }
             Geometry::Mesh(id) => write!(line, "mesh {}", id.0)?,
             Geometry::Instance(id) => write!(line, "instance {}", id.0)?,
+            Geometry::Csg(id, op) => write!(line, "{op} {}", id.0)?,
         }
-        if !matches!(object.geometry, Geometry::Instance(_)) {
+        if !matches!(object.geometry, Geometry::Instance(_) | Geometry::Csg(..)) {
             write!(line, " material {}", object.material.0)?;
         }
         let matrix = self.world_from_object(object);

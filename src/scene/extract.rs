@@ -43,13 +43,13 @@ impl Scene {
         Some(extracted)
     }
 
-    /// The groups that a group places, directly or by another, those first that are placed by others.
+    /// The groups that a group places or puts together, directly or by another, those first that are placed by others.
     pub(super) fn placed_by(&self, group: GroupId) -> Option<BTreeSet<GroupId>> {
         let mut placed = BTreeSet::new();
         let mut waiting = vec![group];
         while let Some(id) = waiting.pop() {
             for object in &self.groups.get(id.index())?.objects {
-                if let Geometry::Instance(inner) = object.geometry
+                if let Geometry::Instance(inner) | Geometry::Csg(inner, _) = object.geometry
                     && placed.insert(inner)
                 {
                     waiting.push(inner);
@@ -83,6 +83,7 @@ impl Copier<'_, '_> {
             objects,
             lights: group.lights.clone(),
             loc: group.loc,
+            csg: group.csg,
         })
     }
 
@@ -97,6 +98,7 @@ impl Copier<'_, '_> {
             }
             Geometry::Mesh(id) => Geometry::Mesh(self.mesh(*id)?),
             Geometry::Instance(id) => Geometry::Instance(*self.groups.get(id)?),
+            Geometry::Csg(id, op) => Geometry::Csg(*self.groups.get(id)?, *op),
         };
         Some(Object {
             geometry,

@@ -132,6 +132,8 @@ impl Digest {
             objects,
             lights,
             loc: _,
+            // Told by the object that stands for it.
+            csg: _,
         } = group;
         self.each(objects, Self::object);
         self.each(lights, Self::light);
@@ -158,6 +160,7 @@ impl Digest {
             Geometry::Triangle(id) => self.ints([2, id.0]),
             Geometry::Mesh(id) => self.ints([3, id.0]),
             Geometry::Instance(id) => self.ints([4, id.0]),
+            Geometry::Csg(id, op) => self.ints([5, id.0, *op as u32]),
         }
         self.int(u64::from(transform.0));
         self.int(u64::from(material.0));

@@ -8,6 +8,7 @@ mod bounds;
 mod builder;
 mod camera;
 pub mod compare;
+mod csg;
 mod custom;
 mod dump;
 mod edition;
@@ -25,6 +26,7 @@ mod validate;
 
 pub use builder::{Builder, GroupMark};
 pub use camera::{Camera, CameraFrame};
+pub use csg::CsgOp;
 pub use custom::{CustomReflectance, CustomTexture, ShadingPoint};
 pub use edition::Edition;
 pub use error::SceneError;
@@ -104,10 +106,12 @@ pub enum Geometry {
     Mesh(MeshId),
     /// Another placing of a defined group.
     Instance(GroupId),
+    /// The solid that a group with [`Group::csg`] is, in the place where it was made.
+    Csg(GroupId, CsgOp),
 }
 
 impl Geometry {
-    /// What the script calls it: `sphere`, `tri`, `mesh`, `instance`.
+    /// What the script calls it: `sphere`, `tri`, `mesh`, `instance`, `difference`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
@@ -115,6 +119,7 @@ impl Geometry {
             Self::Triangle(_) => "tri",
             Self::Mesh(_) => "mesh",
             Self::Instance(_) => "instance",
+            Self::Csg(_, op) => op.name(),
         }
     }
 }
@@ -126,7 +131,7 @@ pub struct Object {
     pub geometry: Geometry,
     /// Where it is: world (or group) from object.
     pub transform: TransformId,
-    /// How it looks. An instance ignores it: its group's objects have their own.
+    /// How it looks. An instance and what is put together ignore it: their groups' objects have their own.
     pub material: MaterialId,
     /// The call that made it.
     pub loc: SourceLoc,
@@ -141,17 +146,19 @@ pub struct Triangle {
     pub normals: Option<[DVec3; 3]>,
 }
 
-/// Objects in one space: the root, or what `define` named.
+/// Objects in one space: the root, what `define` named, or the parts of one solid.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Group {
-    /// The name given by `define`; empty for the root.
+    /// The name given by `define`; empty for the root, `difference` and so on for the parts of a solid.
     pub name: String,
     /// Objects in the order they were made.
     pub objects: Vec<Object>,
     /// Lights in the order they were made, in this group's space. Placing an instance copies them.
     pub lights: Vec<Light>,
-    /// The `define` that made it.
+    /// The block that made it.
     pub loc: SourceLoc,
+    /// How its objects make one solid; `None` where they stand side by side.
+    pub csg: Option<CsgOp>,
 }
 
 /// A complete picture description.
@@ -196,11 +203,13 @@ impl Scene {
     pub fn holds(&self) -> Vec<(&'static str, u64)> {
         let objects = || self.groups.iter().flat_map(|group| &group.objects);
         let instances = objects().filter(|object| matches!(object.geometry, Geometry::Instance(_)));
+        let solids = self.groups.iter().filter(|group| group.csg.is_some()).count();
         let faces: usize = self.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
         let lists = [
             ("objects", objects().count()),
             ("instances", instances.count()),
-            ("groups", self.groups.len() - 1),
+            ("groups", self.groups.len() - 1 - solids),
+            ("solids put together", solids),
             ("triangles", faces + self.triangles.len()),
             ("lights", self.groups.iter().map(|group| group.lights.len()).sum()),
             ("materials", self.materials.len()),

@@ -40,7 +40,7 @@ fn used_materials(scene: &Scene) -> impl Iterator<Item = &super::Material> {
     let objects = scene.groups.iter().flat_map(|group| &group.objects);
     let own = objects
         .clone()
-        .filter(|o| !matches!(o.geometry, Geometry::Instance(_)))
+        .filter(|o| !matches!(o.geometry, Geometry::Instance(_) | Geometry::Csg(..)))
         .filter_map(|o| scene.materials.get(o.material.index()));
     let of_meshes = scene.meshes.iter().flat_map(|mesh| &mesh.face_materials);
     own.chain(of_meshes.filter_map(|id| scene.materials.get(id.index())))

@@ -33,7 +33,7 @@ use super::{
 use crate::{
     diag::ErrorKind,
     limits::Limits,
-    scene::{GroupMark, SceneError},
+    scene::{CsgOp, GroupMark, SceneError},
 };
 
 type EvalResult = Result<Dynamic, Box<EvalAltResult>>;
@@ -296,8 +296,15 @@ pub(super) fn runner(limits: &Limits, language: &Language, ast: &AST) -> Result<
     Ok(engine)
 }
 
-/// `group { }` and `define "name" { }`.
+/// `group { }`, `define "name" { }`, and the blocks that make a solid.
 fn blocks(engine: &mut Engine) -> Result<(), String> {
+    for op in CsgOp::ALL {
+        engine
+            .register_custom_syntax([op.name(), "$block$"], false, move |ctx, inputs| {
+                csg(op, ctx, inputs)
+            })
+            .map_err(|e| e.to_string())?;
+    }
     engine
         .register_custom_syntax(["group", "$block$"], false, group)
         .and_then(|engine| engine.register_custom_syntax(["define", "$expr$", "$block$"], false, define))
@@ -313,6 +320,21 @@ fn group(ctx: &mut EvalContext<'_, '_, '_, '_, '_, '_>, inputs: &[Expression<'_>
     let result = ctx.eval_expression_tree(block);
     with_state(|state| state.builder.end_group(mark));
     result
+}
+
+fn csg(op: CsgOp, ctx: &mut EvalContext<'_, '_, '_, '_, '_, '_>, inputs: &[Expression<'_>]) -> EvalResult {
+    let [block] = inputs else {
+        return Err(internal("a solid without a block").raise(Position::NONE));
+    };
+    let pos = block.position();
+    let mark = begin(ctx, pos, |builder| builder.begin_csg(op))?;
+    let result = ctx.eval_expression_tree(block);
+    let keep = result.as_ref().err().is_none_or(|e| e.is_pseudo_error());
+    let ended = with_state(|state| state.builder.end_csg(mark, keep));
+    match ended {
+        Some(Err(e)) if keep => Err(Box::<ScriptError>::from(e).raise_in(ctx.source(), pos)),
+        _ => result,
+    }
 }
 
 fn define(ctx: &mut EvalContext<'_, '_, '_, '_, '_, '_>, inputs: &[Expression<'_>]) -> EvalResult {

@@ -129,6 +129,37 @@ impl TriangleRay {
     }
 }
 
+impl TriangleRay {
+    /// As [`TriangleRay::intersect`], where it matters how often a closed mesh is crossed: a line through an edge that
+    /// two triangles share crosses one of them where it changes sides, both or neither where it does not. Where the line
+    /// meets an edge or a corner to the bit, it is taken as moved across by an infinitely small step, the same for all
+    /// triangles (Edelsbrunner and Mücke, "Simulation of Simplicity", 1990).
+    #[must_use]
+    pub(crate) fn cross(&self, [a, b, c]: [&DVec3; 3]) -> Option<TriangleHit> {
+        let [ax, ay, az] = self.sheared(*a);
+        let [bx, by, bz] = self.sheared(*b);
+        let [cx, cy, cz] = self.sheared(*c);
+        let wa = cx * by - cy * bx;
+        let wb = ax * cy - ay * cx;
+        let wc = bx * ay - by * ax;
+        let side = |w: f64, (px, py): (f64, f64), (qx, qy): (f64, f64)| {
+            // With the line moved by (e, e^2), e -> 0, an edge function of 0 becomes e (py - qy) + e^2 (qx - px).
+            let next = if py == qy { qx - px } else { py - qy };
+            if w == 0.0 { next > 0.0 } else { w > 0.0 }
+        };
+        let (a, b, c) = ((ax, ay), (bx, by), (cx, cy));
+        let [sa, sb, sc] = [side(wa, c, b), side(wb, a, c), side(wc, b, a)];
+        let det = wa + wb + wc;
+        if sa != sb || sb != sc || det == 0.0 {
+            return None;
+        }
+        let per_det = 1.0 / det;
+        let (wa, u, v) = (wa * per_det, wb * per_det, wc * per_det);
+        let t = (wa * az + u * bz + v * cz) * self.t_per_z;
+        t.is_finite().then_some(TriangleHit { t, u, v })
+    }
+}
+
 /// Whether 0 lies in the range of three numbers.
 #[inline(always)]
 pub(super) fn spans(a: f64, b: f64, c: f64) -> bool {

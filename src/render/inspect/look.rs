@@ -231,7 +231,7 @@ fn is_placed(world: &World<'_>, group: GroupId) -> bool {
             continue;
         }
         for object in scene.groups.get(i).into_iter().flat_map(|group| &group.objects) {
-            if let Geometry::Instance(inner) = object.geometry
+            if let Geometry::Instance(inner) | Geometry::Csg(inner, _) = object.geometry
                 && let Some(inner) = reached.get_mut(inner.index())
             {
                 *inner = true;
@@ -282,7 +282,7 @@ fn bounds(world: &World<'_>, object: &Object) -> Option<Bounds3> {
         Geometry::Shape(shape) => shape.bounds()?,
         Geometry::Triangle(id) => Bounds3::around(scene.triangles.get(id.index())?.positions),
         Geometry::Mesh(id) => scene.meshes.get(id.index())?.bounds(),
-        Geometry::Instance(_) => return None,
+        Geometry::Instance(_) | Geometry::Csg(..) => return None,
     };
     Some(around.transformed(&scene.world_from_object(object)))
 }

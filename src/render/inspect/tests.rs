@@ -3,7 +3,7 @@ use crate::{
     Builder, NoHost, Term,
     math::DVec3,
     render::{RenderOptions, render},
-    scene::Camera,
+    scene::{Camera, CsgOp},
     shape::{Cuboid, Shape},
 };
 
@@ -238,5 +238,38 @@ fn a_camera_only_needs_to_miss_one_side() {
     assert_eq!(
         warnings[0].hints,
         ["look at its middle: camera([0, 0, 5], [0, 0, 0], [0, 1, 0], 45)"]
+    );
+}
+
+#[test]
+fn who_stands_inside_of_what_is_put_together_is_told() {
+    let put = |op: CsgOp, z: f64, radius: f64| {
+        move |b: &mut Builder| {
+            let mark = b.begin_csg(op).unwrap();
+            sphere(0.0, 0.0, 5.0, 3.0)(b);
+            sphere(0.0, 0.0, z, radius)(b);
+            b.end_csg(mark, true).unwrap();
+        }
+    };
+    let codes = |y, op, z, radius| {
+        let [look, _] = told(&[&light(0.0, y, 5.0), &put(op, z, radius)]);
+        let inside = [Code::CameraInside, Code::LightInside];
+        let told = look.into_iter().filter(|(code, ..)| inside.contains(code));
+        told.map(|(_, _, message)| message).collect::<Vec<_>>()
+    };
+    // A second ball that the camera is beside or in, and whose surface is or is not that of the whole.
+    let beside = codes(9.0, CsgOp::Difference, 0.0, 3.5);
+    assert!(
+        beside
+            .iter()
+            .any(|m| m.contains("inside the difference of line 2")),
+        "{beside:?}"
+    );
+    let hollow = codes(1.0, CsgOp::Difference, 5.0, 2.5);
+    assert!(hollow.is_empty(), "{hollow:?}");
+    let both = codes(9.0, CsgOp::Union, 4.0, 2.5);
+    assert!(
+        both.iter().any(|m| m.contains("inside the union of line 2")),
+        "{both:?}"
     );
 }

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::{
     super::{interrupt::Interrupt, lighting::Lamp},
     World,
+    csg::Solid,
     kept::{KeptTrees, Key},
     level::{Instance, Level, PlacedShape, PlacedSphere, Primitive, TriangleRun, TriangleSource},
     placing::{normal_matrix, place, similarity},
@@ -158,6 +159,11 @@ impl<'s> Compiler<'s, '_> {
         let group = &scene.groups[id.index()];
         let mut level = Level {
             group: Some(id),
+            // The root is where rays begin: things stand side by side in it.
+            solid: group.csg.filter(|_| id != ROOT_GROUP).map(|op| Solid {
+                op,
+                parts: group.objects.len() as u32,
+            }),
             ..Level::default()
         };
         self.reserve(&mut level, &group.objects);
@@ -201,6 +207,13 @@ impl<'s> Compiler<'s, '_> {
                     level.instances.push(instance(inner, index, &placing));
                 }
                 Geometry::Shape(shape) => push_shape(&mut level, shape, index, &placing),
+                Geometry::Csg(id, _) => {
+                    let Some(&inner) = self.of_group.get(id) else {
+                        continue;
+                    };
+                    depth = depth.max(1 + self.depths[inner as usize]);
+                    level.instances.push(instance(inner, index, &placing));
+                }
             }
         }
         if depth > MAX_NESTING {
@@ -315,7 +328,11 @@ impl<'s> Compiler<'s, '_> {
         level.cuboid_extent = extents.fold(0.0, f32::max);
         let around = union(&primitives);
         level.bounds = around.extent().is_finite().then(|| around.to_bounds());
-        if level.bounds.is_none() {
+        let has_end = level.bounds.is_some();
+        if let Some(solid) = level.solid {
+            level.bounds = solid.bounds(&self.parts(&level, solid.parts));
+        }
+        if !has_end {
             let everywhere = |index: &u32| primitives[*index as usize].bounds() == Box32::EVERYTHING;
             level.unbounded = (0..primitives.len() as u32).filter(everywhere).collect();
             primitives.retain(|primitive| primitive.bounds() != Box32::EVERYTHING);
@@ -330,6 +347,26 @@ impl<'s> Compiler<'s, '_> {
         self.levels.push(level);
         self.depths.push(depth);
         Ok(self.levels.len() as u32 - 1)
+    }
+
+    /// A box around each object of a level; `None` for what has no end.
+    #[cold]
+    #[inline(never)]
+    fn parts(&self, level: &Level, count: u32) -> Vec<Option<Bounds3>> {
+        let mut parts = vec![Some(Bounds3::EMPTY); count as usize];
+        for index in 0..level.primitives() as u32 {
+            let object = match level.primitive(index) {
+                Primitive::Triangle(i) => level.run(i).map_or(0, |run| run.object),
+                Primitive::Sphere(i) => level.spheres[i as usize].object,
+                Primitive::Shape(i) => level.shapes[i as usize].object,
+                Primitive::Instance(i) => level.instances[i as usize].object,
+            };
+            if let Some(part) = parts.get_mut(object as usize) {
+                let both = part.as_ref().zip(self.bounds(level, index));
+                *part = both.map(|(a, b)| a.union(&b));
+            }
+        }
+        parts
     }
 
     /// See [`Level::transparent`]. A shared mesh takes the material of whoever places it, so it may be
@@ -416,7 +453,7 @@ fn groups_inside_out(scene: &Scene) -> Vec<GroupId> {
     let mut found = Vec::new();
     while let Some(group) = open.pop() {
         for object in &scene.groups[group.index()].objects {
-            if let Geometry::Instance(inner) = object.geometry
+            if let Geometry::Instance(inner) | Geometry::Csg(inner, _) = object.geometry
                 && !seen[inner.index()]
             {
                 seen[inner.index()] = true;

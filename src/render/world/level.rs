@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::csg::Solid;
 use crate::{
     accel::{Bvh, Cuboids, Spheres, Triangles, prefetch},
     math::{Bounds3, DAffine3, DMat3, DVec3, Ray},
@@ -15,6 +16,8 @@ use crate::{
 pub(crate) struct Level<'s> {
     /// The group it was made from; `None` for a mesh placed several times.
     pub(super) group: Option<GroupId>,
+    /// How what is in it makes one solid; `None` where things stand side by side.
+    pub(super) solid: Option<Solid>,
     /// The scene's own where one mesh is all there is and stands where it was made.
     pub(super) vertices: Cow<'s, [DVec3]>,
     pub(super) triangles: Cow<'s, [[u32; 3]]>,
@@ -122,6 +125,12 @@ pub(super) enum Primitive {
 
 impl Level<'_> {
     pub(super) const NO_OBJECT: u32 = u32::MAX;
+
+    /// Whether an object is cut away from the solid that the level is, so that its surface is seen from within.
+    #[inline]
+    pub(super) fn is_cut_by(&self, object: u32) -> bool {
+        self.solid.is_some_and(|solid| solid.op.cuts(object))
+    }
 
     /// Primitives, an instance counted as one.
     pub(super) fn primitives(&self) -> usize {

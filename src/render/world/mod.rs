@@ -11,6 +11,7 @@
 )]
 
 mod compile;
+mod csg;
 mod exact;
 mod kept;
 mod level;

@@ -74,6 +74,25 @@ impl Probe {
         number == self.start
     }
 
+    /// The number of the primitive that the ray starts on.
+    pub(super) fn started_on(&self) -> Option<u64> {
+        (self.start != Self::NOWHERE).then_some(self.start)
+    }
+
+    /// Whether a crossing of the start's own primitive is near enough to be the start.
+    pub(super) fn is_start(&self, t: f64) -> bool {
+        t.abs() <= self.t_self
+    }
+
+    /// What [`Probe::drop_start`] answers, where the start was told apart by itself.
+    pub(super) fn least_beyond_start(&self, number: u64) -> f64 {
+        if self.starts_on(number) {
+            self.t_min_self
+        } else {
+            self.t_min
+        }
+    }
+
     /// No crossing of a primitive that has but one counts at or before this.
     pub(super) fn least(&self, number: u64) -> f64 {
         if self.starts_on(number) {

@@ -51,10 +51,15 @@ impl<'s> World<'s> {
         let mut number = hit.number;
         let mut level_from_world = DAffine3::IDENTITY;
         let mut nested = false;
+        // Seen from within: cut out of a solid, or out of what is cut out of one.
+        let mut inverted = false;
         // The object that placed the innermost level, whose material a shared mesh takes.
         let mut placing_material = None;
         let local = loop {
             let (primitive, rest) = level.by_number(number);
+            if level.solid.is_some() {
+                inverted ^= Self::is_cut(level, primitive);
+            }
             let Primitive::Instance(i) = primitive else {
                 let p = if nested {
                     level_from_world.transform_point3(position)
@@ -87,6 +92,9 @@ impl<'s> World<'s> {
             n / n.length()
         };
         let mut geometric_normal = to_world(local.geometric);
+        if inverted {
+            geometric_normal = -geometric_normal;
+        }
         let from_front = geometric_normal.dot(ray.dir) < 0.0;
         if !from_front {
             geometric_normal = -geometric_normal;
@@ -147,6 +155,18 @@ impl<'s> World<'s> {
                     .map_or(placing_material, |object| object.material),
             );
         }
+    }
+
+    /// Whether a primitive belongs to what is cut out of the solid that its level is.
+    #[cold]
+    fn is_cut(level: &Level<'_>, primitive: Primitive) -> bool {
+        let object = match primitive {
+            Primitive::Triangle(i) => level.run(i).map(|run| run.object),
+            Primitive::Sphere(i) => level.spheres.get(i as usize).map(|sphere| sphere.object),
+            Primitive::Shape(i) => level.shapes.get(i as usize).map(|placed| placed.object),
+            Primitive::Instance(i) => level.instances.get(i as usize).map(|instance| instance.object),
+        };
+        object.is_some_and(|object| level.is_cut_by(object))
     }
 
     /// The material of a triangle that does not look as the object that places it.

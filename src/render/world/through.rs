@@ -428,6 +428,9 @@ impl<'a, 's, C: Census> Walk<'a, 's, C> {
                 let inner = &self.world.levels[instance.level as usize];
                 let ray = self.ray.transformed(&instance.inner_from_outer);
                 let base = self.base + instance.first_number;
+                if inner.solid.is_some() {
+                    return self.solid(inner, base, &ray);
+                }
                 return self.world.walk(inner, base, &ray, self.probe, self.census);
             }
             _ if !self.census.counts(self.level, index) => return Control::Continue,
@@ -470,6 +473,19 @@ impl<'a, 's, C: Census> Walk<'a, 's, C> {
             *t = crossing.t;
         }
         self.meet(index, number, t.get(..found.len()).unwrap_or_default(), least)
+    }
+
+    /// Counts what is seen of a solid that is put together.
+    #[cold]
+    #[inline(never)]
+    fn solid(&mut self, level: &Level<'s>, base: u64, ray: &Ray) -> Control {
+        let census = &mut *self.census;
+        let stopped = self
+            .world
+            .meet_solid(level, base, ray, self.probe, |level, index, number, t| {
+                census.counts(level, index) && census.meet(level, index, number, t) == Control::Stop
+            });
+        if stopped { Control::Stop } else { Control::Continue }
     }
 
     /// Counts a primitive's own crossings, in ascending order, beyond `least`.

@@ -4,16 +4,27 @@ use super::{Builder, Placing, SceneError};
 use crate::diag::{Code, nearest_names};
 use crate::scene::{Geometry, Group, GroupId, Material};
 
-/// What a `group` or `define` block restores when it is left; see [`Builder::begin_group`].
+/// What a `group`, `define` or `difference` block restores when it is left; see [`Builder::begin_group`].
 #[derive(Debug)]
-#[must_use = "hand it back to end_group or end_define"]
+#[must_use = "hand it back to end_group, end_define or end_csg"]
 pub struct GroupMark {
     depth: usize,
     floor: usize,
     ctm: Placing,
     material: Material,
-    /// The group that was being filled, where the block is a `define`.
+    /// The group that was being filled, where the block fills one of its own.
     outer: Option<(String, Group)>,
+}
+
+impl GroupMark {
+    /// The group that is being filled again when the block is left.
+    pub(super) fn set_outer(&mut self, group: Group) {
+        self.outer = Some((String::new(), group));
+    }
+
+    pub(super) fn take_outer(&mut self) -> Option<(String, Group)> {
+        self.outer.take()
+    }
 }
 
 impl Builder {

@@ -151,6 +151,7 @@ impl Builder {
 
     pub(super) fn push_light(&mut self, kind: LightKind, color: Color) -> Result<(), SceneError> {
         finite("the light's color", color)?;
+        self.require_no_solid()?;
         if self.lights >= self.limits.lights {
             return Err(SceneError::limit("too many lights", "lights", self.limits.lights));
         }

@@ -3,6 +3,7 @@
 //! Scripts, importers and Rust programs all build through here, so what a value may be is decided once.
 
 mod blocks;
+mod csg;
 mod lights;
 mod placing;
 mod queries;
@@ -58,6 +59,7 @@ pub struct Builder {
     lights: usize,
     loc: SourceLoc,
     warnings: Vec<Diagnostic>,
+    closed_meshes: csg::ClosedMeshes,
 }
 
 impl Default for Builder {
@@ -91,6 +93,7 @@ impl Builder {
             lights: 0,
             loc: SourceLoc::default(),
             warnings: Vec::new(),
+            closed_meshes: csg::ClosedMeshes::default(),
         }
     }
 
@@ -218,6 +221,9 @@ impl Builder {
 
     #[inline(always)]
     fn add(&mut self, geometry: Geometry, primitives: usize) -> Result<(), SceneError> {
+        if let Some(op) = self.group.csg {
+            self.require_inside(op, &geometry)?;
+        }
         self.primitives = self.primitives.saturating_add(primitives);
         if self.primitives > self.limits.primitives {
             return Err(SceneError::limit(

@@ -141,7 +141,7 @@ impl<'a> Contents<'a> {
         self.geometry(&mut digest, &object.geometry);
         let m = self.scene.world_from_object(object);
         digest.floats(m.to_cols_array());
-        if !matches!(object.geometry, Geometry::Instance(_)) {
+        if !matches!(object.geometry, Geometry::Instance(_) | Geometry::Csg(..)) {
             digest.id(self.material(object.material));
         }
         digest.done()
@@ -162,7 +162,9 @@ impl<'a> Contents<'a> {
                 }
             }
             Geometry::Mesh(id) => digest.id(self.meshes.get(id.index()).copied().unwrap_or(0)),
-            Geometry::Instance(id) => digest.text(self.names.get(id.index()).map_or("", String::as_str)),
+            Geometry::Instance(id) | Geometry::Csg(id, _) => {
+                digest.text(self.names.get(id.index()).map_or("", String::as_str));
+            }
         }
     }
 
@@ -241,7 +243,7 @@ pub(super) fn objects<'a>(
             form,
             matrix: matrix.done(),
             looks: match object.geometry {
-                Geometry::Instance(_) => 0,
+                Geometry::Instance(_) | Geometry::Csg(..) => 0,
                 _ => contents.material(object.material),
             },
             at,

@@ -110,7 +110,9 @@ fn lone_group<'a>(
     place: &dyn Fn(bool, SourceLoc) -> Place,
     report: &mut dyn FnMut(Change<'a>),
 ) {
-    let Some(group) = contents.scene.groups.get(id.index()) else {
+    let group = contents.scene.groups.get(id.index());
+    // A solid that is put together is told of as the object that it is.
+    let Some(group) = group.filter(|group| group.csg.is_none()) else {
         return;
     };
     report(Change {

@@ -18,8 +18,8 @@ use self::{
     textures::{is_named, terms},
 };
 use super::{
-    Attenuation, Encoding, Geometry, Group, ImageTexture, LightKind, Material, MaterialId, MeshId, Object,
-    ROOT_GROUP, Scene, Texels, Texture, TextureId, TransformId,
+    Attenuation, CsgOp, Encoding, Geometry, Group, ImageTexture, LightKind, Material, MaterialId, MeshId,
+    Object, ROOT_GROUP, Scene, Texels, Texture, TextureId, TransformId,
     literal::{Components, Number, Text, Vector},
 };
 use crate::diag::SourceLoc;
@@ -232,7 +232,10 @@ impl Writer<'_> {
                 let id = self.order.next_define(self.scene, bound);
                 self.define(id)?;
             }
-            self.placed(&mut saved, object, next)?;
+            match object.geometry {
+                Geometry::Csg(id, op) => self.csg(&mut saved, id.index(), op)?,
+                _ => self.placed(&mut saved, object, next)?,
+            }
             self.order.see(self.scene, object);
             if order::brought(self.scene, object).is_some() {
                 self.lights(group, lights.next())?;
@@ -256,10 +259,36 @@ impl Writer<'_> {
             return Ok(());
         };
         debug_assert!(id != ROOT_GROUP.index());
+        if group.csg.is_some() {
+            self.order.next_group = id + 1;
+            return Ok(());
+        }
         let head = format!("define {} {{", Text(name));
         self.line(|out| out.write_str(&head), group.loc)?;
         let outside = self.material.take();
         self.depth += 1;
+        self.group(group, id)?;
+        self.defines_before(id)?;
+        self.depth -= 1;
+        self.material = outside;
+        self.order.next_group = id + 1;
+        self.call("}")
+    }
+
+    /// The block of a solid that is put together.
+    fn csg(&mut self, saved: &mut Vec<Saved>, id: usize, op: CsgOp) -> fmt::Result {
+        let scene = self.scene;
+        let Some(group) = scene.groups.get(id) else {
+            return Ok(());
+        };
+        let needed = saved.iter().rposition(|s| s.next != NEVER).map_or(0, |i| i + 1);
+        self.restore(saved, needed)?;
+        self.line(|out| write!(out, "{op} {{"), group.loc)?;
+        let outside = self.material;
+        self.depth += 1;
+        if !saved.is_empty() {
+            self.call("loadIdentity();")?;
+        }
         self.group(group, id)?;
         self.defines_before(id)?;
         self.depth -= 1;

@@ -93,6 +93,14 @@ impl Order {
     /// True where nothing that is not written yet can have come before the object.
     pub(super) fn has_come(&self, scene: &Scene, object: &Object) -> bool {
         let geometry = match object.geometry {
+            // Its parts are written in its place.
+            Geometry::Csg(id, _) => {
+                let first = scene
+                    .groups
+                    .get(id.index())
+                    .and_then(|group| group.objects.first());
+                return first.is_none_or(|first| self.has_come(scene, first));
+            }
             Geometry::Shape(_) => true,
             Geometry::Triangle(id) => self.triangles.has_come(id.index()),
             Geometry::Mesh(id) => self.meshes.has_come(id.index()),
@@ -131,7 +139,7 @@ impl Order {
                     }
                 }
             }
-            Geometry::Shape(_) | Geometry::Mesh(_) | Geometry::Instance(_) => {}
+            Geometry::Shape(_) | Geometry::Mesh(_) | Geometry::Instance(_) | Geometry::Csg(..) => {}
         }
         self.transforms.see(object.transform.index());
         self.materials.see(object.material.index());
@@ -144,7 +152,13 @@ impl Order {
             let first = scene.groups.get(*id).and_then(|group| group.objects.first());
             first.is_none_or(|object| self.has_come(scene, object))
         };
-        (self.next_group..bound).find(can_come).unwrap_or(self.next_group)
+        // The parts of a solid are written where it stands.
+        let is_defined = |id: &usize| scene.groups.get(*id).is_none_or(|group| group.csg.is_none());
+        let defined = || (self.next_group..bound).filter(is_defined);
+        defined()
+            .find(can_come)
+            .or_else(|| defined().next())
+            .unwrap_or(self.next_group)
     }
 }
 

@@ -20,10 +20,37 @@ pub(crate) use symbols::{Symbol, SymbolKind};
 pub(crate) use tokens::{Token, TokenKind, is_word};
 
 /// Words that are no names.
-pub(crate) const KEYWORDS: [&str; 27] = [
-    "as", "break", "catch", "const", "continue", "define", "do", "else", "export", "false", "fn", "for",
-    "global", "group", "if", "import", "in", "let", "loop", "private", "return", "switch", "this", "throw",
-    "true", "try", "while",
+pub(crate) const KEYWORDS: [&str; 30] = [
+    "as",
+    "break",
+    "catch",
+    "const",
+    "continue",
+    "define",
+    "difference",
+    "do",
+    "else",
+    "export",
+    "false",
+    "fn",
+    "for",
+    "global",
+    "group",
+    "if",
+    "import",
+    "in",
+    "intersection",
+    "let",
+    "loop",
+    "private",
+    "return",
+    "switch",
+    "this",
+    "throw",
+    "true",
+    "try",
+    "union",
+    "while",
 ];
 
 /// Words that begin a statement, so that an open bracket before one is missing its end.

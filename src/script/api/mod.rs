@@ -4,6 +4,7 @@ mod arrays;
 mod assets;
 mod camera;
 mod colors;
+mod csg;
 mod edition;
 mod functions;
 mod heights;
@@ -34,12 +35,13 @@ use rhai::Module;
 use super::table::{Entry, Kind, Param};
 
 /// Every list, in the order of the reference.
-pub(super) const ALL: [&[Entry]; 21] = [
+pub(super) const ALL: [&[Entry]; 22] = [
     edition::ENTRIES,
     camera::ENTRIES,
     transform::ENTRIES,
     turning::ENTRIES,
     shapes::ENTRIES,
+    csg::ENTRIES,
     materials::ENTRIES,
     colors::ENTRIES,
     assets::ENTRIES,

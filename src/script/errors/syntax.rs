@@ -5,6 +5,7 @@ use rhai::{LexError, ParseErrorType, Position};
 use super::{Context, limit, runtime::too_large, script, uncapitalized};
 use crate::{
     diag::{Code, Diagnostic, ErrorKind},
+    scene::CsgOp,
     script::{call::quoted, names, recover},
 };
 
@@ -165,10 +166,19 @@ fn missing_token(token: &str, why: &str, before: &str) -> Diagnostic {
         "{" if before.trim_end().trim_end_matches('(').ends_with("group") => {
             d.hint("group { ... } holds a block of statements; nothing else can be called group")
         }
+        "{" if let Some(op) = solid_block(before) => d.hint(format!(
+            "{op} {{ ... }} holds a block of statements, which make what it is put together from"
+        )),
         "{" => d.hint("a block stands in braces: for i in 0..5 { ... }"),
         ";" => d.hint("is a ';' missing before this, or are the brackets of a call?"),
         _ => d,
     }
+}
+
+/// The block that makes a solid whose name stands at the end of a text.
+fn solid_block(before: &str) -> Option<CsgOp> {
+    let before = before.trim_end().trim_end_matches('(');
+    CsgOp::ALL.into_iter().find(|op| before.ends_with(op.name()))
 }
 
 fn lex_message(error: &LexError) -> Diagnostic {
