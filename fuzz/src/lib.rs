@@ -12,6 +12,7 @@ pub mod calls;
 pub mod course;
 #[cfg(fuzzing)]
 pub mod lsp;
+pub mod models;
 pub mod mtl;
 pub mod obj;
 pub mod oracle;
@@ -32,6 +33,8 @@ pub const TARGETS: &[Target] = &[
     ("course", course::run),
     ("obj", obj::run),
     ("mtl", mtl::run),
+    ("ply", models::ply),
+    ("stl", models::stl),
     ("texture", texture::run),
     ("path", path::run),
     ("builder", builder::run),

@@ -40,9 +40,15 @@ pub fn load(host: &MemoryHost, with_materials: bool, texts: &[(&str, &str)]) -> 
         .iter()
         .for_each(|warning| check(warning, texts));
     let mesh = loaded.inspect_err(|error| check(error, texts))?;
-    check_mesh(&mesh);
+    render_mesh(builder, &mesh, host);
+    Ok(())
+}
+
+/// Checks a mesh, and renders it where it is small.
+pub(crate) fn render_mesh(mut builder: Builder, mesh: &Arc<Mesh>, host: &MemoryHost) {
+    check_mesh(mesh);
     let triangles = mesh.triangles.len();
-    if builder.mesh(&mesh).is_ok() && triangles < 500 {
+    if builder.mesh(mesh).is_ok() && triangles < 500 {
         builder.size(4, 4).expect("a small picture");
         let scene = builder.finish().value;
         let rendered =
@@ -50,7 +56,6 @@ pub fn load(host: &MemoryHost, with_materials: bool, texts: &[(&str, &str)]) -> 
         let pixels = rendered.value.image.pixels().iter().flatten();
         assert!(pixels.clone().all(|v| v.is_finite()), "a pixel that is no number");
     }
-    Ok(())
 }
 
 fn check_mesh(mesh: &Arc<Mesh>) {

@@ -9,6 +9,7 @@ use super::{
     kept::{Obj, OwnedNames},
     look,
     mtl::{self, Library},
+    ply, stl,
     text::{Source, counted, quoted},
     wavefront::{self, warn_at},
 };
@@ -34,7 +35,7 @@ use crate::{
 /// read, where a name leads outside the host's folder, or where a limit is passed. Where the file itself cannot be
 /// read the error has no place: it belongs to the call that names the file.
 pub fn load_obj(path: &str, assets: &mut Assets<'_>, builder: &mut Builder) -> Result<Arc<Mesh>, Diagnostic> {
-    load(path, true, assets, builder)
+    load(path, true, Kinds::Obj, assets, builder)
 }
 
 /// As [`load_obj`], without the file's materials: all faces look as the object that places the mesh, and no
@@ -47,12 +48,83 @@ pub fn load_obj_shape(
     assets: &mut Assets<'_>,
     builder: &mut Builder,
 ) -> Result<Arc<Mesh>, Diagnostic> {
-    load(path, false, assets, builder)
+    load(path, false, Kinds::Obj, assets, builder)
+}
+
+/// Reads a mesh from a file of any kind that is known: an OBJ file as [`load_obj`] does, a PLY file (ascii or binary, with
+/// normals and texture coordinates) or an STL file (ascii or binary, flat). Which it is, is told by how the file begins, and
+/// where that says nothing by the ending of its name.
+///
+/// # Errors
+/// As [`load_obj`]; where a file is binary, the message names the byte.
+pub fn load_mesh(
+    path: &str,
+    assets: &mut Assets<'_>,
+    builder: &mut Builder,
+) -> Result<Arc<Mesh>, Diagnostic> {
+    load(path, true, Kinds::All, assets, builder)
+}
+
+/// As [`load_mesh`], without the file's materials.
+///
+/// # Errors
+/// As [`load_mesh`].
+pub fn load_mesh_shape(
+    path: &str,
+    assets: &mut Assets<'_>,
+    builder: &mut Builder,
+) -> Result<Arc<Mesh>, Diagnostic> {
+    load(path, false, Kinds::All, assets, builder)
+}
+
+/// Kinds of files that are taken.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kinds {
+    Obj,
+    All,
+}
+
+/// What reads a file of triangles alone, without materials.
+type Reader = fn(&str, &[u8], &Assets<'_>, &mut Builder) -> Result<Mesh, Diagnostic>;
+
+/// The reader of a file that is no OBJ file.
+fn reader(path: &str, bytes: &[u8]) -> Option<Reader> {
+    let ending = path.rsplit_once('.').map_or("", |(_, ending)| ending);
+    let is = |wanted: &str| ending.eq_ignore_ascii_case(wanted);
+    if ply::is_ply(bytes) || is("ply") {
+        Some(ply::read)
+    } else if is("stl") || (!is("obj") && stl::is_stl(bytes)) {
+        Some(stl::read)
+    } else {
+        None
+    }
+}
+
+/// The mesh of a file without materials.
+fn plain_mesh(
+    path: &str,
+    bytes: &[u8],
+    read: Reader,
+    assets: &Assets<'_>,
+    builder: &mut Builder,
+) -> Result<(Arc<Mesh>, Option<Obj>), Diagnostic> {
+    let before = builder.warnings().len();
+    let mesh = Arc::new(read(path, bytes, assets, builder)?);
+    let kept = assets.kept().map(|_| Obj {
+        with_materials: false,
+        mesh: Arc::clone(&mesh),
+        slots: Vec::new(),
+        ids: Vec::new(),
+        names: Names::default().owned(""),
+        warnings: builder.warnings().get(before..).unwrap_or_default().to_vec(),
+    });
+    Ok((mesh, kept))
 }
 
 fn load(
     path: &str,
     with_materials: bool,
+    kinds: Kinds,
     assets: &mut Assets<'_>,
     builder: &mut Builder,
 ) -> Result<Arc<Mesh>, Diagnostic> {
@@ -61,13 +133,21 @@ fn load(
         return Ok(mesh);
     }
     let bytes = assets.read(path)?;
+    let plain = reader(path, &bytes).filter(|_| kinds == Kinds::All);
     let known = assets
         .kept()
-        .and_then(|kept| kept.obj(path, with_materials, &bytes, assets.limits()));
+        .and_then(|kept| kept.obj(path, with_materials && plain.is_none(), &bytes, assets.limits()));
     let mesh = match known {
+        Some(known) if plain.is_some() => {
+            builder.repeat_warnings(&known.warnings);
+            Arc::clone(&known.mesh)
+        }
         Some(known) => mesh_again(path, &known, &bytes, assets, builder)?,
         None => {
-            let (mesh, obj) = first_mesh(path, with_materials, &bytes, assets, builder)?;
+            let (mesh, obj) = match plain {
+                Some(read) => plain_mesh(path, &bytes, read, assets, builder)?,
+                None => first_mesh(path, with_materials, &bytes, assets, builder)?,
+            };
             if let (Some(obj), Some(kept)) = (obj, assets.kept()) {
                 kept.keep_obj(path, bytes, assets.limits(), obj);
             }

@@ -19,7 +19,7 @@ use std::{collections::BTreeSet, env, fmt::Write as _, fs, path::PathBuf};
 
 use rtscript::{
     Builder, Diagnostic, Error, Limits, MemoryHost, RunOptions,
-    import::{AssetCache, Assets, load_obj},
+    import::{AssetCache, Assets, load_mesh, load_obj},
     script::EXAMPLE_FILES,
     source,
 };
@@ -162,7 +162,16 @@ fn of_course(text: &str) -> Option<Error> {
 
 const CORNERS: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
-/// `obj:` stands before lines of a model after three vertices and before a face; `mtl:` before those of its material
+/// A model of another kind than OBJ, as it is.
+fn of_file(name: &str, text: &str) -> Option<Error> {
+    let (host, limits) = (MemoryHost::new().with(name, text), Limits::default());
+    let mut cache = AssetCache::default();
+    let mut assets = Assets::new(&host, &limits, &mut cache);
+    let loaded = load_mesh(name, &mut assets, &mut Builder::new());
+    loaded.err().map(Error::from)
+}
+
+/// `ply:` and `stl:` stand before whole files; `obj:` stands before lines of a model after three vertices and before a face; `mtl:` before those of its material
 /// library after `newmtl a`; `file:` before a whole model; `library:` before a whole library.
 fn of_model(text: &str) -> Option<Error> {
     let (kind, text) = text.split_once('\n').unwrap_or((text, ""));
@@ -174,6 +183,8 @@ fn of_model(text: &str) -> Option<Error> {
         "mtl:" => host
             .with("a.obj", user)
             .with("a.mtl", format!("newmtl a\n{text}\n")),
+        "ply:" => return of_file("a.ply", text),
+        "stl:" => return of_file("a.stl", text),
         "file:" => host.with("a.obj", text),
         "library:" => host.with("a.obj", user).with("a.mtl", text),
         _ => panic!("what is {kind:?}?"),
