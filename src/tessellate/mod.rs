@@ -4,11 +4,16 @@
 //! directions. So they have an inside whatever rounding does.
 
 mod allowance;
+mod bezier;
 mod heights;
+mod parametric;
+mod refine;
 mod text;
 
 pub use allowance::Allowance;
+pub use bezier::BezierPatches;
 pub use heights::{HeightField, Heights};
+pub use parametric::Parametric;
 pub use text::{Align, Font, Text, TextSize, VerticalAlign};
 
 #[cfg(test)]

@@ -96,3 +96,24 @@ impl Rng {
         (self.next() >> 11) as f64 / (1u64 << 53) as f64
     }
 }
+
+/// Edges that only one triangle has.
+pub(super) fn open(mesh: &Mesh) -> Vec<(u32, u32)> {
+    open_edges(mesh).into_keys().collect()
+}
+
+/// The distance of a point from a triangle (Ericson, "Real-time collision detection", 2005, 5.1.5, by its edges).
+pub(super) fn distance(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+    let to_edge = |a: DVec3, b: DVec3| {
+        let t = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+        (a + (b - a) * t - p).length()
+    };
+    let n = (b - a).cross(c - a);
+    let inside = [(a, b), (b, c), (c, a)]
+        .into_iter()
+        .all(|(a, b)| (b - a).cross(p - a).dot(n) >= 0.0);
+    if inside && n.length() > 0.0 {
+        return (p - a).dot(n.normalize()).abs();
+    }
+    to_edge(a, b).min(to_edge(b, c)).min(to_edge(c, a))
+}

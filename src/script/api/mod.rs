@@ -22,6 +22,7 @@ mod sequences;
 mod shapes;
 mod splines;
 mod strings;
+mod surfaces;
 mod text;
 mod transform;
 mod turning;
@@ -35,7 +36,7 @@ use rhai::Module;
 use super::table::{Entry, Kind, Param};
 
 /// Every list, in the order of the reference.
-pub(super) const ALL: [&[Entry]; 22] = [
+pub(super) const ALL: [&[Entry]; 23] = [
     edition::ENTRIES,
     camera::ENTRIES,
     transform::ENTRIES,
@@ -47,6 +48,7 @@ pub(super) const ALL: [&[Entry]; 22] = [
     assets::ENTRIES,
     heights::ENTRIES,
     text::ENTRIES,
+    surfaces::ENTRIES,
     lights::ENTRIES,
     queries::ENTRIES,
     lamps::ENTRIES,
