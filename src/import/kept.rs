@@ -175,7 +175,7 @@ impl File {
             + match &self.made {
                 Made::Texture(texture) => match &**texture {
                     Texture::Image(image) => image.width as usize * image.height as usize * 3,
-                    Texture::Checker { .. } | Texture::Custom(_) => 0,
+                    _ => 0,
                 },
                 Made::Obj(obj) => {
                     let mesh = &*obj.mesh;

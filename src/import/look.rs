@@ -98,5 +98,6 @@ pub(super) fn material(
             1.0
         },
         reflectance: None,
+        finish: None,
     })
 }

@@ -3,7 +3,8 @@
 use super::{
     interrupt::Interrupt,
     lighting::{self, Gloss},
-    observe::{Observer, RayKind},
+    observe::{AtTheEnd, Observer, RayKind},
+    polish::{self, Inside, Polished},
     sampler::Sampler,
     world::{Hit, Probe, SurfacePoint, World},
 };
@@ -54,7 +55,23 @@ impl Path<'_> {
         // Dimensions 0 and 1 are the pixel's jitter. A light has at most 2 * 256^2 choices.
         self.sampler.get(2 + (self.vertex << 36 | light << 18 | cell))
     }
+
+    /// As [`Path::random`] for the `cell`-th choice about where rays go on from this point.
+    pub(super) fn of_surface(&self, cell: u64) -> f64 {
+        self.random(SURFACE, cell)
+    }
+
+    /// As [`Path::of_surface`] for a choice that is one and the same for all points of a sample.
+    pub(super) fn of_sample(&self, cell: u64) -> f64 {
+        self.sampler.get(2 + (SURFACE << 18 | SAMPLE | cell))
+    }
 }
+
+/// No light has this number.
+const SURFACE: u64 = (1 << 18) - 1;
+
+/// Added to the numbers of choices that belong to a whole sample.
+const SAMPLE: u64 = 1 << 17;
 
 /// A ray still to be traced.
 #[derive(Clone, Copy, Debug)]
@@ -63,6 +80,7 @@ struct Pending {
     /// Share of what it sees that reaches the camera.
     weight: Color,
     depth: u32,
+    inside: Inside,
 }
 
 /// Rays that wait, kept from one camera sample to the next so that none of them allocates or clears memory.
@@ -74,7 +92,7 @@ const STACK: usize = Settings::MAX_DEPTH as usize + 2;
 
 /// Branches whose weight is below this in every channel are not followed: with the tree's 2^depth rays this is
 /// what ends it between two mirrors of glass, and nothing of an 8-bit picture.
-const LEAST_WEIGHT: f64 = 1.0 / (1 << 20) as f64;
+pub(super) const LEAST_WEIGHT: f64 = 1.0 / (1 << 20) as f64;
 
 /// Points of one sample between two looks at the interrupt.
 const POINTS_PER_POLL: u64 = 64;
@@ -101,10 +119,17 @@ pub(super) fn radiance<O: Observer>(
         probe,
         weight: Color::ONE,
         depth: 0,
+        inside: Inside::default(),
     });
     let mut known = Some(first);
     counts.camera += 1;
-    while let Some(Pending { probe, weight, depth }) = next.or_else(|| waiting.pop()) {
+    while let Some(Pending {
+        probe,
+        mut weight,
+        depth,
+        inside,
+    }) = next.or_else(|| waiting.pop())
+    {
         next = None;
         if interrupt.is_stopped() {
             return Color::ZERO;
@@ -114,12 +139,25 @@ pub(super) fn radiance<O: Observer>(
         let hit = known
             .take()
             .unwrap_or_else(|| world.nearest(&probe, f64::INFINITY));
-        let Some((hit, at)) = hit.and_then(|hit| seen(world, &probe, hit)) else {
+        let Some((hit, mut at)) = hit.and_then(|hit| seen(world, &probe, hit)) else {
+            if inside.is_any() {
+                weight *= polish::dimmed(world, inside, None, f64::INFINITY);
+                observer.dimmed(weight);
+            }
             let added = weight * settings.background;
             observer.background(added);
             sum += added;
             continue;
         };
+        let mut polished = None;
+        if inside.is_any() || at.material.finish.is_some() {
+            let distance = (at.position - ray.origin).length();
+            weight *= polish::dimmed(world, inside, Some(&at), distance);
+            observer.dimmed(weight);
+            let finish = at.material.finish.as_deref();
+            polished =
+                finish.map(|finish| Polished::new(world, finish, (&hit, &ray), &mut at, inside, &path));
+        }
         observer.surface(&hit, &ray, &at);
         let term = |term| world.term(term, &at);
         let m = at.material;
@@ -127,7 +165,10 @@ pub(super) fn radiance<O: Observer>(
             diffuse: term(&m.diffuse),
             specular: term(&m.specular),
             exponent: Exponent::new(m.shininess),
-            custom: m.reflectance.as_deref(),
+            custom: match &polished {
+                Some(polished) if m.reflectance.is_none() => Some(polished),
+                _ => m.reflectance.as_deref(),
+            },
         };
         let (ambient, emission) = (term(&m.ambient), term(&m.emission));
         let direct = lighting::direct(
@@ -141,16 +182,25 @@ pub(super) fn radiance<O: Observer>(
             return Color::ZERO;
         }
         if depth == settings.max_depth {
-            observer.deepest(world, &at, &ray, weight);
+            match &polished {
+                None => observer.deepest(world, &at, &ray, weight),
+                Some(polished) if O::WATCHES => {
+                    polished.split(weight, &path, &mut AtTheEnd(observer));
+                }
+                Some(_) => {}
+            }
             continue;
         }
-        let (mirrored, refracted) = split(world, &at, &ray, weight, observer);
+        let (mirrored, refracted) = match &polished {
+            None => split(world, &at, &ray, weight, observer),
+            Some(polished) => polished.split(weight, &path, observer),
+        };
         // The mirrored ray goes first.
-        for (branch, count) in [
-            (refracted, &mut counts.refracted),
-            (mirrored, &mut counts.reflected),
+        for (branch, count, onward) in [
+            (refracted, &mut counts.refracted, inside.left()),
+            (mirrored, &mut counts.reflected, inside),
         ] {
-            let Some(Branch { dir, weight }) = branch else {
+            let Some(Branch { dir, weight, inside }) = branch else {
                 continue;
             };
             if waiting.len() + usize::from(next.is_some()) == STACK {
@@ -161,6 +211,7 @@ pub(super) fn radiance<O: Observer>(
                 probe: Probe::from_surface(Ray::new(at.position, dir), hit.number, at.scale),
                 weight,
                 depth: depth + 1,
+                inside: inside.unwrap_or(onward),
             }));
         }
     }
@@ -193,9 +244,11 @@ fn seen<'s>(world: &World<'s>, probe: &Probe, hit: Hit) -> Option<(Hit, SurfaceP
 
 /// A ray that goes on from a surface.
 pub(super) struct Branch {
-    dir: DVec3,
+    pub(super) dir: DVec3,
     /// Share of what it sees that reaches the camera.
-    weight: Color,
+    pub(super) weight: Color,
+    /// What it carries along, where the surface has a say in that.
+    pub(super) inside: Option<Inside>,
 }
 
 /// The mirrored and the refracted ray at a surface that `weight` of what it sends out reaches the camera from,
@@ -225,7 +278,11 @@ pub(super) fn split<O: Observer>(
         };
         match refract(ray.dir, n, eta) {
             Some(dir) => {
-                through = followed(RayKind::Refracted, kt, observer).map(|weight| Branch { dir, weight });
+                through = followed(RayKind::Refracted, kt, observer).map(|weight| Branch {
+                    dir,
+                    weight,
+                    inside: None,
+                });
             }
             None => {
                 observer.total_reflection(kt);
@@ -238,6 +295,7 @@ pub(super) fn split<O: Observer>(
         Branch {
             dir: mirrored / mirrored.length(),
             weight,
+            inside: None,
         }
     });
     (mirror, through)
@@ -246,7 +304,7 @@ pub(super) fn split<O: Observer>(
 /// Snell's law: the direction of the unit vector `dir` behind a surface with unit normal `n` on the ray's side,
 /// `eta` being the index of refraction before it over that behind it. `None` at total internal reflection.
 /// (Heckbert, "Writing a ray tracer", in Glassner, An Introduction to Ray Tracing, 1989.)
-fn refract(dir: DVec3, n: DVec3, eta: f64) -> Option<DVec3> {
+pub(super) fn refract(dir: DVec3, n: DVec3, eta: f64) -> Option<DVec3> {
     let cosine = -dir.dot(n);
     let k = 1.0 - eta * eta * (1.0 - cosine * cosine);
     if !(k >= 0.0) {

@@ -8,10 +8,13 @@ mod inspect;
 mod integrator;
 mod interrupt;
 mod lighting;
+mod microfacet;
 mod observe;
-pub(crate) mod sampler;
+pub(crate) mod polish;
+mod sampler;
 pub mod show;
 mod solids;
+mod spectrum;
 mod tiles;
 mod world;
 

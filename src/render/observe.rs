@@ -39,6 +39,8 @@ pub(super) trait Observer {
 
     /// A ray sets out.
     fn ray(&mut self, _ray: &Ray, _weight: Color, _depth: u32) {}
+    /// Of what it sees only this share gets back to its start, so that it has this weight.
+    fn dimmed(&mut self, _weight: Color) {}
     /// It meets nothing.
     fn background(&mut self, _added: Color) {}
     /// It meets a surface.
@@ -54,10 +56,25 @@ pub(super) trait Observer {
     fn branch(&mut self, _kind: RayKind, _share: Color, _weight: Color, _followed: bool) {}
     /// Nothing is refracted: this share goes to the mirror.
     fn total_reflection(&mut self, _share: Color) {}
+    /// As [`Observer::branch`] where no ray goes on, because the path is as deep as it may be.
+    fn ended(&mut self, _kind: RayKind, _share: Color, _weight: Color, _is_strong: bool) {}
     /// No ray goes on, because the path is as deep as it may be.
     fn deepest(&mut self, _world: &World<'_>, _at: &SurfacePoint<'_>, _ray: &Ray, _weight: Color) {}
 }
 
 impl Observer for () {
     const WATCHES: bool = false;
+}
+
+/// Tells an observer of the rays that would go on where none does.
+pub(super) struct AtTheEnd<'o, O>(pub(super) &'o mut O);
+
+impl<O: Observer> Observer for AtTheEnd<'_, O> {
+    fn branch(&mut self, kind: RayKind, share: Color, weight: Color, followed: bool) {
+        self.0.ended(kind, share, weight, followed);
+    }
+
+    fn total_reflection(&mut self, share: Color) {
+        self.0.total_reflection(share);
+    }
 }

@@ -1,6 +1,9 @@
 //! A scene as stable text, for people, snapshots and differences.
 
-use std::fmt::{self, Write as _};
+use std::{
+    fmt::{self, Write as _},
+    sync::Arc,
+};
 
 use super::{
     Encoding, Geometry, Group, Light, LightKind, Material, Mesh, Object, ROOT_GROUP, Scene, Term, Texels,
@@ -50,7 +53,7 @@ impl Scene {
             self.textures.iter().enumerate(),
             |line, (i, texture)| {
                 write!(line, "texture {i} ")?;
-                write_texture(line, texture)
+                write_texture(line, self, texture)
             },
         );
         list(
@@ -286,6 +289,10 @@ fn write_material(line: &mut String, material: &Material) -> fmt::Result {
     if let Some(reflectance) = &material.reflectance {
         write!(line, " reflectance {reflectance:?}")?;
     }
+    if let Some(finish) = &material.finish {
+        let text = finish.text(&|id| format!("texture_{}", id.0));
+        write!(line, " {text}")?;
+    }
     if *material == default {
         write!(line, " default")?;
     }
@@ -300,7 +307,7 @@ fn write_term(line: &mut String, term: &Term) -> fmt::Result {
     }
 }
 
-fn write_texture(line: &mut String, texture: &Texture) -> fmt::Result {
+fn write_texture(line: &mut String, scene: &Scene, texture: &Texture) -> fmt::Result {
     match texture {
         Texture::Image(image) => {
             let mut hasher = blake3::Hasher::new();
@@ -331,6 +338,10 @@ fn write_texture(line: &mut String, texture: &Texture) -> fmt::Result {
             )
         }
         Texture::Custom(texture) => write!(line, "custom {texture:?}"),
+        Texture::Pattern(_) | Texture::Mix(_) | Texture::Placed(_) | Texture::Mapped(_) => {
+            let name = |part: &Arc<Texture>| Some(format!("texture_{}", scene.texture_number(part)?));
+            line.write_str(&texture.call(&name))
+        }
     }
 }
 

@@ -34,7 +34,7 @@ impl Scene {
         digest.each(groups, Digest::group);
         digest.each(materials, Digest::material);
         digest.each(transforms, Digest::matrix);
-        digest.each(textures, |d, texture| d.texture(texture));
+        digest.each(textures, |d, texture| d.texture(self, texture));
         digest.each(meshes, |d, mesh| d.mesh(mesh));
         digest.each(triangles, Digest::triangle);
         digest.0.finalize().to_hex()[..32].to_owned()
@@ -225,6 +225,7 @@ impl Digest {
             transmission,
             ior,
             reflectance,
+            finish,
         } = material;
         for term in [ambient, emission, diffuse, specular, transmission] {
             self.term(term);
@@ -234,6 +235,12 @@ impl Digest {
         // Nothing where there is none, as it was before there could be one.
         if let Some(reflectance) = reflectance {
             self.text(&reflectance.identity());
+        }
+        if let Some(finish) = finish {
+            self.text(&format!(
+                "finish {}",
+                finish.text(&|id| format!("texture_{}", id.0))
+            ));
         }
     }
 
@@ -248,7 +255,7 @@ impl Digest {
         self.vectors([m.x_axis, m.y_axis, m.z_axis, matrix.translation]);
     }
 
-    fn texture(&mut self, texture: &Texture) {
+    fn texture(&mut self, scene: &Scene, texture: &Texture) {
         match texture {
             Texture::Image(image) => {
                 let ImageTexture {
@@ -277,6 +284,11 @@ impl Digest {
             Texture::Custom(texture) => {
                 self.int(2);
                 self.text(&texture.identity());
+            }
+            // Their numbers are in the text as the shortest that read back as the same.
+            Texture::Pattern(_) | Texture::Mix(_) | Texture::Placed(_) | Texture::Mapped(_) => {
+                self.int(3);
+                self.text(&texture.call(&|part| Some(format!("texture_{}", scene.texture_number(part)?))));
             }
         }
     }

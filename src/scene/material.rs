@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use super::CustomReflectance;
+use super::{CustomReflectance, Finish};
 use crate::{color::Color, custom::Custom, scene::TextureId};
 
 /// A color, or a color times a texture.
@@ -63,6 +63,8 @@ pub struct Material {
     pub ior: f64,
     /// The program's own rule in place of the sum over lights. Default `None`.
     pub reflectance: Option<Custom<dyn CustomReflectance>>,
+    /// What the surface does beyond the shading equation; see [`Material::change_finish`]. Default `None`.
+    pub finish: Option<Arc<Finish>>,
 }
 
 impl Default for Material {
@@ -77,6 +79,7 @@ impl Default for Material {
             transmission: Term::BLACK,
             ior: 1.5,
             reflectance: None,
+            finish: None,
         }
     }
 }
@@ -119,6 +122,10 @@ impl Material {
             reflection: self.reflection.as_ref().map(term),
             numbers: [self.shininess.to_bits(), self.ior.to_bits()],
             reflectance: self.reflectance.as_ref().map(Custom::identity),
+            finish: self
+                .finish
+                .as_ref()
+                .map(|finish| finish.text(&|id| id.0.to_string())),
         }
     }
 }
@@ -130,4 +137,5 @@ pub(crate) struct MaterialKey {
     reflection: Option<[u64; 4]>,
     numbers: [u64; 2],
     reflectance: Option<String>,
+    finish: Option<String>,
 }

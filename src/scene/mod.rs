@@ -7,39 +7,53 @@
 mod bounds;
 mod builder;
 mod camera;
+mod color_map;
 pub mod compare;
+mod composed;
 mod csg;
 mod custom;
 mod dump;
 mod edition;
 mod error;
 mod extract;
+mod finish;
 mod hash;
 mod light;
 pub(crate) mod literal;
+mod mapped;
 mod material;
 mod mesh;
+mod pattern;
+mod placement;
 mod settings;
 mod source;
 mod texture;
+mod texture_text;
 mod validate;
 
 pub use builder::{Builder, GroupMark};
 pub use camera::{Camera, CameraFrame};
+pub use color_map::{ColorMap, Interpolation, Paint};
+pub use composed::{MixTexture, PlacedTexture};
 pub use csg::CsgOp;
 pub use custom::{CustomReflectance, CustomTexture, ShadingPoint};
 pub use edition::Edition;
 pub use error::SceneError;
+pub(crate) use finish::mean as finish_mean;
+pub use finish::{Absorption, Bump, ClearCoat, Conductor, Finish, NormalMap};
 pub(crate) use light::around;
 pub use light::{
     Attenuation, Falloff, Light, LightForm, LightKind, LightMesh, Projector, Spot, Sun, SurfaceLight,
 };
+pub use mapped::{Filter, Laying, MappedImage, Mapping, Wrap};
 pub use material::{Material, Term};
 pub use mesh::{Attribute, Mesh};
+pub use pattern::{Pattern, PatternKind, PatternTexture, Wave};
+pub use placement::Placement;
 pub use settings::{Encoding, Settings};
 pub use source::AssetFiles;
 pub(crate) use source::{MeshFile, write as write_source};
-pub use texture::{ImageTexture, Texels, Texture};
+pub use texture::{ImageTexture, Texels, Texture, TexturePoint};
 
 use std::{collections::BTreeMap, sync::Arc};
 

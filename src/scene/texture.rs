@@ -1,6 +1,11 @@
 //! Textures: colors that vary over a surface.
 
-use super::CustomTexture;
+use std::sync::Arc;
+
+use super::{
+    CustomTexture, MappedImage, Paint, Pattern, PatternTexture, Placement, SceneError,
+    composed::{MixTexture, PlacedTexture},
+};
 use crate::{
     color::{self, Color},
     custom::Custom,
@@ -23,6 +28,25 @@ pub enum Texture {
     },
     /// See [`CustomTexture`].
     Custom(Custom<dyn CustomTexture>),
+    /// See [`Texture::pattern`].
+    Pattern(Box<PatternTexture>),
+    /// See [`Texture::mix`].
+    Mix(Box<MixTexture>),
+    /// See [`Texture::placed`].
+    Placed(Box<PlacedTexture>),
+    /// See [`MappedImage`].
+    Mapped(Box<MappedImage>),
+}
+
+/// A point of a surface, as textures see it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TexturePoint {
+    /// Texture coordinates.
+    pub uv: DVec2,
+    /// In the space of the shape.
+    pub position: DVec3,
+    /// Outward normal in the space of the shape, of any length; 0 where it is not known.
+    pub normal: DVec3,
 }
 
 /// The texels of a picture, rows from the top.
@@ -51,9 +75,24 @@ impl Texture {
     /// The color at a surface point with texture coordinates `uv` and object-space position `p`.
     #[must_use]
     pub fn color(&self, uv: DVec2, p: DVec3) -> Color {
+        self.lookup(&TexturePoint {
+            uv,
+            position: p,
+            normal: DVec3::ZERO,
+        })
+    }
+
+    /// The color at a surface point.
+    #[must_use]
+    pub fn lookup(&self, point: &TexturePoint) -> Color {
+        let (uv, p) = (point.uv, point.position);
         match self {
             Self::Image(image) => image.bilinear(uv),
             Self::Custom(texture) => texture.color(uv, p),
+            Self::Pattern(pattern) => pattern.at(point),
+            Self::Mix(mix) => mix.at(point),
+            Self::Placed(placed) => placed.at(point),
+            Self::Mapped(image) => image.at(point),
             Self::Checker { even, odd, size } => {
                 // Half a millionth of a cube inwards, so that a face in the plane of a boundary takes one color
                 // instead of rounding noise.
@@ -64,6 +103,107 @@ impl Texture {
         }
     }
 }
+
+impl Texture {
+    /// A pattern in the space of the shape.
+    ///
+    /// # Errors
+    /// Where a number of the pattern is out of its range, or the textures in its colors are too many.
+    pub fn pattern(pattern: Pattern) -> Result<Self, SceneError> {
+        Ok(Self::Pattern(Box::new(PatternTexture::new(pattern)?)))
+    }
+
+    /// `a` where `mask` is black, `b` where it is white, in each channel of its own the share that the mask has there.
+    ///
+    /// # Errors
+    /// Where the textures in it are too many.
+    pub fn mix(a: Paint, b: Paint, mask: Paint) -> Result<Self, SceneError> {
+        Ok(Self::Mix(Box::new(MixTexture::new(a, b, mask)?)))
+    }
+
+    /// A texture scaled, turned, moved and stirred. What has texture coordinates instead of a place in space, such as a
+    /// picture, is so in these: u and v count as x and y.
+    ///
+    /// # Errors
+    /// Where a number is out of its range, or the textures in it are too many.
+    pub fn placed(texture: Paint, placement: Placement) -> Result<Self, SceneError> {
+        Ok(Self::Placed(Box::new(PlacedTexture::new(texture, placement)?)))
+    }
+
+    /// True where it is a picture of sRGB bytes, however it is laid.
+    pub(crate) fn is_srgb(&self) -> bool {
+        match self {
+            Self::Image(image) => matches!(image.texels, Texels::Srgb8(_)),
+            Self::Mapped(mapped) => mapped.image().is_srgb(),
+            _ => false,
+        }
+    }
+
+    /// How much there is to look up at a point.
+    pub(super) fn size(&self) -> Size {
+        match self {
+            Self::Image(_) | Self::Checker { .. } | Self::Custom(_) => Size::ONE,
+            Self::Pattern(pattern) => pattern.size(),
+            Self::Mix(mix) => mix.size(),
+            Self::Placed(placed) => placed.size(),
+            Self::Mapped(_) => Size { lookups: 2, depth: 2 },
+        }
+    }
+
+    /// The pictures and textures that it looks up itself.
+    pub(super) fn parts(&self) -> Vec<&Arc<Self>> {
+        match self {
+            Self::Image(_) | Self::Checker { .. } | Self::Custom(_) => Vec::new(),
+            Self::Pattern(pattern) => {
+                let entries = pattern.pattern().colors.entries().iter();
+                entries.filter_map(|(_, paint)| paint.texture.as_ref()).collect()
+            }
+            Self::Mix(mix) => mix
+                .paints()
+                .into_iter()
+                .filter_map(|p| p.texture.as_ref())
+                .collect(),
+            Self::Placed(placed) => placed.paint().texture.iter().collect(),
+            Self::Mapped(image) => vec![image.image()],
+        }
+    }
+}
+
+/// How much there is to look up at a point for one texture: what is made of textures must end soon.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Size {
+    lookups: u32,
+    depth: u32,
+}
+
+impl Size {
+    const ONE: Self = Self { lookups: 1, depth: 1 };
+
+    /// That of a texture made of `parts`.
+    pub(super) fn of<'p>(parts: impl IntoIterator<Item = &'p Paint>) -> Result<Self, SceneError> {
+        let mut size = Self { lookups: 1, depth: 0 };
+        for part in parts.into_iter().filter_map(|paint| paint.texture.as_ref()) {
+            let part = part.size();
+            size.lookups = size.lookups.saturating_add(part.lookups);
+            size.depth = size.depth.max(part.depth);
+        }
+        size.depth += 1;
+        if size.lookups > MOST_LOOKUPS || size.depth > DEEPEST {
+            return Err(SceneError::new(format!(
+                "a texture may be made of {MOST_LOOKUPS} textures in all, {DEEPEST} in one another, and this one is made \
+                 of {} and {}",
+                size.lookups, size.depth
+            )));
+        }
+        Ok(size)
+    }
+}
+
+/// The most textures in one, counted as often as they are looked up.
+const MOST_LOOKUPS: u32 = 256;
+
+/// The most textures in one another.
+const DEEPEST: u32 = 32;
 
 impl ImageTexture {
     /// Scene-linear color of the texel in column `x`, row `y` from the top; black where there is none.

@@ -32,7 +32,7 @@ impl ImageValue {
     pub(crate) fn image(&self) -> Option<&ImageTexture> {
         match &*self.0 {
             Texture::Image(image) => Some(image),
-            Texture::Checker { .. } | Texture::Custom(_) => None,
+            _ => None,
         }
     }
 }
@@ -59,6 +59,10 @@ impl fmt::Display for TextureValue {
             Texture::Image(i) => write!(f, "texture({} x {})", i.width, i.height),
             Texture::Checker { size, .. } => write!(f, "texture(checker, {size})"),
             Texture::Custom(texture) => write!(f, "texture({})", texture.identity()),
+            Texture::Pattern(pattern) => write!(f, "texture({})", pattern.pattern().kind.name()),
+            Texture::Mix(_) => write!(f, "texture(mixed)"),
+            Texture::Placed(_) => write!(f, "texture(placed)"),
+            Texture::Mapped(_) => write!(f, "texture(image)"),
         }
     }
 }

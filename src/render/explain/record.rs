@@ -9,7 +9,7 @@ use crate::{
     render::{
         integrator::split,
         lighting::{Lit, SHORT},
-        observe::{Arrived, Observer},
+        observe::{Arrived, AtTheEnd, Observer},
         world::{Hit, SurfacePoint, World},
     },
 };
@@ -63,6 +63,12 @@ impl Observer for Recorder<'_> {
             added: Color::ZERO,
             hit: None,
         });
+    }
+
+    fn dimmed(&mut self, weight: Color) {
+        if let Some(ray) = self.rays.last_mut() {
+            ray.weight = weight;
+        }
     }
 
     fn background(&mut self, added: Color) {
@@ -168,23 +174,14 @@ impl Observer for Recorder<'_> {
     fn deepest(&mut self, world: &World<'_>, at: &SurfacePoint<'_>, ray: &Ray, weight: Color) {
         split(world, at, ray, weight, &mut AtTheEnd(self));
     }
-}
 
-/// Notes the rays that would go on where none does.
-struct AtTheEnd<'r, 'w>(&'r mut Recorder<'w>);
-
-impl Observer for AtTheEnd<'_, '_> {
-    fn branch(&mut self, kind: RayKind, share: Color, weight: Color, followed: bool) {
-        self.0.branch(kind, share, weight, false);
-        if followed
+    fn ended(&mut self, kind: RayKind, share: Color, weight: Color, is_strong: bool) {
+        self.branch(kind, share, weight, false);
+        if is_strong
             && share != Color::ZERO
-            && let Some(branch) = self.0.hit().and_then(|hit| hit.branches.last_mut())
+            && let Some(branch) = self.hit().and_then(|hit| hit.branches.last_mut())
         {
             branch.outcome = BranchOutcome::TooDeep;
         }
-    }
-
-    fn total_reflection(&mut self, share: Color) {
-        self.0.total_reflection(share);
     }
 }

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     math::{DAffine3, DVec2, DVec3, Ray, max_abs},
-    scene::{Material, MaterialId, Object, Term},
+    scene::{Material, MaterialId, Object, Term, TexturePoint},
 };
 
 /// A point on a surface, ready for shading.
@@ -27,6 +27,24 @@ pub(crate) struct SurfacePoint<'s> {
     pub(crate) scale: f64,
     pub(crate) uv: DVec2,
     object_position: DVec3,
+    /// Outward, of any length; 0 where no texture asks for it.
+    object_normal: DVec3,
+}
+
+impl SurfacePoint<'_> {
+    /// As textures see it.
+    pub(crate) fn texture_point(&self) -> TexturePoint {
+        TexturePoint {
+            uv: self.uv,
+            position: self.object_position,
+            normal: self.object_normal,
+        }
+    }
+
+    /// In the space of the shape.
+    pub(crate) fn object_position(&self) -> DVec3 {
+        self.object_position
+    }
 }
 
 /// A surface in the space of its level.
@@ -38,6 +56,8 @@ struct LocalSurface {
     uv: DVec2,
     /// The point in the object's space, where solid textures live.
     object_position: DVec3,
+    /// See [`SurfacePoint`].
+    object_normal: DVec3,
     /// [`MaterialId::INHERIT`] where whatever places the level decides.
     material: MaterialId,
 }
@@ -45,8 +65,32 @@ struct LocalSurface {
 impl<'s> World<'s> {
     /// The surface where `ray` met `hit`.
     pub(crate) fn surface(&self, hit: &Hit, ray: &Ray) -> Option<SurfacePoint<'s>> {
+        self.surface_at::<false>(hit, ray, ray.at(hit.t))
+    }
+
+    /// The surface of the same primitive that goes on beside a hit of `ray` at `at`, as if the primitive were flat there:
+    /// where textures are asked what they change into.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn beside(
+        &self,
+        hit: &Hit,
+        ray: &Ray,
+        at: &SurfacePoint<'_>,
+        offset: DVec3,
+    ) -> Option<SurfacePoint<'s>> {
+        self.surface_at::<true>(hit, ray, at.position + offset)
+    }
+
+    /// The surface of the primitive that `ray` met, at `position`, which is `BESIDE` the hit or the hit itself.
+    #[inline(always)]
+    fn surface_at<const BESIDE: bool>(
+        &self,
+        hit: &Hit,
+        ray: &Ray,
+        position: DVec3,
+    ) -> Option<SurfacePoint<'s>> {
         let scene = self.scene;
-        let position = ray.at(hit.t);
         let mut level = self.root()?;
         let mut number = hit.number;
         let mut level_from_world = DAffine3::IDENTITY;
@@ -66,7 +110,7 @@ impl<'s> World<'s> {
                 } else {
                     position
                 };
-                break self.local_surface(level, primitive, hit, p)?;
+                break self.local_surface::<BESIDE>(level, primitive, hit, p)?;
             };
             let instance = level.instances.get(i as usize)?;
             placing_material = self.object(level, instance.object).map(|object| object.material);
@@ -118,6 +162,7 @@ impl<'s> World<'s> {
             scale: max_abs(ray.origin).max(max_abs(position)),
             uv: local.uv,
             object_position: local.object_position,
+            object_normal: local.object_normal,
         })
     }
 
@@ -186,7 +231,8 @@ impl<'s> World<'s> {
     }
 
     /// `p` is the hit in the level's space.
-    fn local_surface(
+    #[inline(always)]
+    fn local_surface<const BESIDE: bool>(
         &self,
         level: &Level,
         primitive: Primitive,
@@ -194,7 +240,7 @@ impl<'s> World<'s> {
         p: DVec3,
     ) -> Option<LocalSurface> {
         match primitive {
-            Primitive::Triangle(i) => self.triangle_surface(level, level.run(i)?, i, hit, p),
+            Primitive::Triangle(i) => self.triangle_surface::<BESIDE>(level, level.run(i)?, i, hit, p),
             Primitive::Sphere(i) => {
                 let sphere = level.spheres.get(i as usize)?;
                 let object = self.object(level, sphere.object)?;
@@ -204,6 +250,7 @@ impl<'s> World<'s> {
                     shading: None,
                     uv: DVec2::ZERO,
                     object_position: p,
+                    object_normal: DVec3::ZERO,
                     material: object.material,
                 };
                 if self.is_textured(object.material)
@@ -211,7 +258,8 @@ impl<'s> World<'s> {
                 {
                     local.object_position =
                         self.scene.world_from_object(object).inverse().transform_point3(p);
-                    local.uv = shape.surface(local.object_position, 0).uv;
+                    let surface = shape.surface(local.object_position, 0);
+                    (local.uv, local.object_normal) = (surface.uv, surface.normal);
                 }
                 Some(local)
             }
@@ -219,17 +267,19 @@ impl<'s> World<'s> {
                 let placed = level.shapes.get(i as usize)?;
                 let object = self.object(level, placed.object)?;
                 let object_position = placed.object_from_level.transform_point3(p);
-                let (normal, uv) = if self.is_textured(object.material) {
+                let (normal, uv, object_normal) = if self.is_textured(object.material) {
                     let surface = placed.shape.surface(object_position, hit.part);
-                    (surface.normal, surface.uv)
+                    (surface.normal, surface.uv, surface.normal)
                 } else {
-                    (placed.shape.normal(object_position, hit.part), DVec2::ZERO)
+                    let normal = placed.shape.normal(object_position, hit.part);
+                    (normal, DVec2::ZERO, DVec3::ZERO)
                 };
                 Some(LocalSurface {
                     geometric: placed.object_from_level.matrix3.transpose() * normal,
                     shading: None,
                     uv,
                     object_position,
+                    object_normal,
                     material: object.material,
                 })
             }
@@ -237,7 +287,7 @@ impl<'s> World<'s> {
         }
     }
 
-    fn triangle_surface(
+    fn triangle_surface<const BESIDE: bool>(
         &self,
         level: &Level,
         run: &TriangleRun,
@@ -248,7 +298,12 @@ impl<'s> World<'s> {
         let [a, b, c] = level.corners(triangle);
         let cross = (b - a).cross(c - a);
         let geometric = if run.mirrored { -cross } else { cross };
-        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+        let (u, v) = if BESIDE {
+            coordinates([a, b, c], p)
+        } else {
+            (hit.u, hit.v)
+        };
+        let weights = [1.0 - u - v, u, v];
         let face = (triangle - run.first) as usize;
         let object = self.object(level, run.object);
         let textured = self.has_textures();
@@ -279,30 +334,32 @@ impl<'s> World<'s> {
             };
             (n.is_finite() && n != DVec3::ZERO).then_some(n)
         });
-        let uv = uvs.map_or(DVec2::new(hit.u, hit.v), |[ua, ub, uc]| {
+        let uv = uvs.map_or(DVec2::new(u, v), |[ua, ub, uc]| {
             ua * weights[0] + ub * weights[1] + uc * weights[2]
         });
         let material = self
             .face_material(run, triangle)
             .or(object.map(|object| object.material))
             .unwrap_or(MaterialId::INHERIT);
-        let object_position = match object {
+        let (object_position, object_normal) = match object {
             // A shared mesh is in its own space.
             Some(object) if textured => {
                 let placing = self.scene.world_from_object(object);
                 if placing == DAffine3::IDENTITY {
-                    p
+                    (p, geometric)
                 } else {
-                    placing.inverse().transform_point3(p)
+                    let normal = placing.matrix3.transpose() * geometric;
+                    (placing.inverse().transform_point3(p), normal)
                 }
             }
-            _ => p,
+            _ => (p, geometric),
         };
         Some(LocalSurface {
             geometric,
             shading,
             uv,
             object_position,
+            object_normal,
             material,
         })
     }
@@ -328,16 +385,27 @@ impl<'s> World<'s> {
             .iter()
             .flatten()
             .any(|term| term.texture.is_some())
+                || m.finish
+                    .as_ref()
+                    .is_some_and(|finish| finish.textures().iter().any(Option::is_some))
         })
     }
 
     /// The value of a material's term at a point.
     pub(crate) fn term(&self, term: &Term, at: &SurfacePoint<'_>) -> DVec3 {
         match term.texture.and_then(|id| self.scene.textures.get(id.index())) {
-            Some(texture) => term.color * texture.color(at.uv, at.object_position),
+            Some(texture) => term.color * texture.lookup(&at.texture_point()),
             None => term.color,
         }
     }
+}
+
+/// Barycentric coordinates of the point of a triangle's plane that is nearest to `p`, for its second and third corner.
+fn coordinates([a, b, c]: [DVec3; 3], p: DVec3) -> (f64, f64) {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let n = ab.cross(ac);
+    let area2 = n.dot(n);
+    (n.dot(ap.cross(ac)) / area2, n.dot(ab.cross(ap)) / area2)
 }
 
 fn unit(n: DVec3) -> DVec3 {

@@ -15,6 +15,7 @@ use crate::{
     },
     color::Color,
     math::{Ray, max_abs},
+    render::polish::shadow_share,
     shape::{CrossingSink, Crossings, Sphere, triangle::TriangleRay},
 };
 
@@ -70,7 +71,10 @@ impl World<'_> {
             let Some(surface) = self.surface(&hit, &probe.ray) else {
                 return Color::ZERO;
             };
-            let transmission = self.term(&surface.material.transmission, &surface);
+            let mut transmission = self.term(&surface.material.transmission, &surface);
+            if let Some(finish) = &surface.material.finish {
+                transmission = shadow_share(finish, &surface, dir, hit.t, transmission);
+            }
             met(hit.number, transmission);
             share *= transmission;
             if share == Color::ZERO {
@@ -116,13 +120,13 @@ impl World<'_> {
                 return Passage::Unclear;
             }
             before = t;
-            let Some(transmission) = self.material(number).map(|material| &material.transmission) else {
+            let Some(material) = self.material(number) else {
                 return Passage::Unclear;
             };
-            if transmission.texture.is_some() {
+            if material.transmission.texture.is_some() || material.finish.is_some() {
                 return Passage::Unclear;
             }
-            share *= transmission.color;
+            share *= material.transmission.color;
         }
         Passage::Share(share)
     }

@@ -42,8 +42,14 @@ impl Builder {
         self.scene.textures.get(id.index())
     }
 
-    /// Adds a texture, to be named in a [`Term`](crate::scene::Term). The same `Arc` twice gives the same handle.
+    /// Adds a texture, to be named in a [`Term`](crate::scene::Term). The same `Arc` twice gives the same handle. Pictures
+    /// that it is made of are added before it.
     pub fn texture(&mut self, texture: &Arc<Texture>) -> TextureId {
+        for part in texture.parts() {
+            if !part.parts().is_empty() || matches!(**part, Texture::Image(_)) {
+                self.texture(part);
+            }
+        }
         let textures = &mut self.scene.textures;
         let index = textures
             .iter()

@@ -322,6 +322,13 @@ fn of_texture(texture: &Texture) -> u128 {
             digest.floats([*size]);
         }
         Texture::Custom(texture) => digest.text(&texture.identity()),
+        Texture::Pattern(_) | Texture::Mix(_) | Texture::Placed(_) | Texture::Mapped(_) => {
+            // A picture by what it shows, wherever it stands.
+            let name = |part: &std::sync::Arc<Texture>| {
+                matches!(**part, Texture::Image(_)).then(|| of_texture(part).to_string())
+            };
+            digest.text(&texture.call(&name));
+        }
     }
     digest.done()
 }
@@ -346,6 +353,7 @@ fn of_material(material: &Material, textures: &[u128]) -> u128 {
         transmission,
         ior,
         reflectance,
+        finish,
     } = material;
     let mut digest = Digest::new("material");
     for term in [ambient, emission, diffuse, specular, transmission] {
@@ -355,6 +363,9 @@ fn of_material(material: &Material, textures: &[u128]) -> u128 {
     digest.floats([*shininess, *ior]);
     if let Some(reflectance) = reflectance {
         digest.text(&reflectance.identity());
+    }
+    if let Some(finish) = finish {
+        digest.text(&finish.text(&|id| textures.get(id.index()).copied().unwrap_or(1).to_string()));
     }
     digest.done()
 }

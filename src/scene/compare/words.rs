@@ -172,6 +172,35 @@ fn looks(
         };
         value(ways, "reflectance", || said(&a), || said(&b));
     }
+    finish(ways, (before, &a), (after, &b));
+}
+
+/// What differs beyond the shading equation, key by key.
+fn finish(
+    ways: &mut Vec<Way>,
+    (before, a): (&Contents<'_>, &Material),
+    (after, b): (&Contents<'_>, &Material),
+) {
+    let options = |contents: &Contents<'_>, m: &Material| {
+        let said = |id| term(contents.scene, &Term::texture(id), &|x| x);
+        m.finish
+            .as_ref()
+            .map_or_else(Vec::new, |finish| finish.options(&said))
+    };
+    let (a, b) = (options(before, a), options(after, b));
+    let of = |options: &[(&'static str, String)], key: &str| {
+        let found = options.iter().find(|(name, _)| *name == key);
+        found.map_or("none".to_owned(), |(_, text)| text.clone())
+    };
+    let mut keys: Vec<&'static str> = a.iter().chain(&b).map(|(key, _)| *key).collect();
+    keys.sort_unstable();
+    keys.dedup();
+    for key in keys {
+        let (old, new) = (of(&a, key), of(&b, key));
+        if old != new {
+            value(ways, key, || old.clone(), || new.clone());
+        }
+    }
 }
 
 fn term(scene: &Scene, term: &Term, digits: &dyn Fn(f64) -> f64) -> String {
@@ -184,6 +213,10 @@ fn term(scene: &Scene, term: &Term, digits: &dyn Fn(f64) -> f64) -> String {
             format!("checker({even}, {odd}, {})", Number(digits(*size)))
         }
         Some(Texture::Custom(texture)) => texture.identity(),
+        Some(texture) => texture.call(&|part| match &**part {
+            Texture::Image(image) => Some(format!("{} {} x {}", image.name, image.width, image.height)),
+            _ => None,
+        }),
     };
     if term.color == crate::color::Color::ONE {
         texture

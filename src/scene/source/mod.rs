@@ -9,6 +9,7 @@ mod textures;
 use std::{
     collections::BTreeMap,
     fmt::{self, Display, Write},
+    sync::Arc,
 };
 
 pub(in crate::scene) use self::order::{names, own_lights};
@@ -59,6 +60,7 @@ pub(crate) fn write(scene: &Scene, files: &AssetFiles, places: bool, out: &mut d
         names: names(scene),
         order: Order::new(scene),
         is_named: is_named(scene),
+        has_finishes: scene.materials.iter().any(|m| m.finish.is_some()),
         next_texture: 0,
         latest: vec![NEVER; scene.transforms.len()],
         material: None,
@@ -84,6 +86,8 @@ struct Writer<'a> {
     order: Order,
     /// For each texture whether objects name it themselves, or nothing does: not those that only files bring.
     is_named: Vec<bool>,
+    /// Whether any material goes beyond the shading equation.
+    has_finishes: bool,
     /// The first texture that no material has had yet.
     next_texture: usize,
     /// For [`next_uses`].
@@ -174,6 +178,11 @@ impl Writer<'_> {
                     Number(*size)
                 ))?,
                 (Texture::Image(image), None) => self.image(i, image)?,
+                (Texture::Pattern(_) | Texture::Mix(_) | Texture::Placed(_) | Texture::Mapped(_), None) => {
+                    let name = |part: &Arc<Texture>| Some(format!("texture_{}", scene.texture_number(part)?));
+                    let call = texture.call(&name);
+                    self.call(format_args!("const texture_{i} = {call};"))?;
+                }
                 (Texture::Custom(texture), None) => self.call(format_args!(
                     "const texture_{i} = customTexture({});",
                     Text(&texture.identity())
@@ -364,14 +373,22 @@ impl Writer<'_> {
             transmission,
             ior,
             reflectance,
+            finish,
         } = material;
         let own = reflectance.as_ref().map_or_else(String::new, |own| {
             format!(", reflectance: {}", Text(&own.identity()))
         });
+        let finish = if self.has_finishes {
+            // What a material does not have must be taken away from the one before.
+            let finish = finish.as_deref().cloned().unwrap_or_default();
+            format!(", {}", finish.whole_text(&|id| format!("texture_{}", id.0)))
+        } else {
+            String::new()
+        };
         let reflection = reflection.map_or("()".to_owned(), |term| Said(term).to_string());
         self.call(format_args!(
             "material(#{{ ambient: {}, emission: {}, diffuse: {}, specular: {}, shininess: {}, \
-             reflection: {reflection}, transmission: {}, ior: {}{own} }});",
+             reflection: {reflection}, transmission: {}, ior: {}{own}{finish} }});",
             Said(*ambient),
             Said(*emission),
             Said(*diffuse),

@@ -1,6 +1,6 @@
 //! Which textures a scene's materials name.
 
-use crate::scene::{LightKind, Material, MaterialId, Scene, TextureId};
+use crate::scene::{LightKind, Material, MaterialId, Scene, Term, TextureId};
 
 /// For each texture whether objects name it themselves, or nothing does: not those that only files bring.
 pub(super) fn is_named(scene: &Scene) -> Vec<bool> {
@@ -45,14 +45,21 @@ pub(super) fn is_named(scene: &Scene) -> Vec<bool> {
 
 /// Textures of a material in the order in which `material(#{ })` looks at its terms.
 pub(super) fn terms(material: &Material) -> impl Iterator<Item = Option<TextureId>> + use<> {
+    let [bump, normal_map, roughness] = material
+        .finish
+        .as_ref()
+        .map_or([None; 3], |finish| finish.textures());
+    let of = |term: Term| term.texture;
     [
-        Some(material.ambient),
-        Some(material.diffuse),
-        Some(material.emission),
-        material.reflection,
-        Some(material.specular),
-        Some(material.transmission),
+        of(material.ambient),
+        bump,
+        of(material.diffuse),
+        of(material.emission),
+        normal_map,
+        material.reflection.and_then(of),
+        roughness,
+        of(material.specular),
+        of(material.transmission),
     ]
-    .map(|term| term.and_then(|term| term.texture))
     .into_iter()
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rhai::{Array, Dynamic, Map};
 
-use super::{map, string};
+use super::{map, patterns, string};
 use crate::{
     diag::{Diagnostic, ErrorKind},
     host::resolve,
@@ -15,7 +15,7 @@ use crate::{
         call::{Call, kind_of, number_of},
         lists::tuples,
         session::State,
-        table::{DONE, Entry, Group},
+        table::{DONE, Entry, Group, Kind, Param},
         value::{ImageValue, Outcome, ScriptError},
     },
 };
@@ -48,11 +48,15 @@ pub(super) const ENTRIES: &[Entry] = &[
         .takes(&[
             &[string("file", "a PNG or JPEG file, relative to the script that names it")],
             &[map("data", "width, height and pixels: colors row by row from the top")],
+            &[
+                Param::new("image", Kind::Image, "none", "a file as above, or an image"),
+                map("options", "mapping: \"uv\" (the shape's own coordinates), \"planar\" (along z), \"spherical\", \"cylindrical\" (around y) or \"box\" (from each side, melting over blend), all but uv laying the picture on the cube from -0.5 to 0.5; filter: \"bilinear\" or \"nearest\"; wrap: \"repeat\", \"clamp\", \"mirror\" or \"black\"; scale, rotate, translate, turbulence, octaves: where it lies").keys(&patterns::LAYING),
+            ],
         ])
         .returns("image")
-        .doc("A picture from a file, or from numbers: linear RGB of each pixel as points, as one flat list, or as a blob of floats as write_le writes them. It can be looked at (.width, .height, .pixel(x, y)) and stands wherever a color of a material may; times a number or a color it is dimmed or tinted.")
+        .doc("A picture from a file, or from numbers: linear RGB of each pixel as points, as one flat list, or as a blob of floats as write_le writes them. It can be looked at (.width, .height, .pixel(x, y)) and stands wherever a color of a material may; times a number or a color it is dimmed or tinted. With options it is a texture laid on shapes in another way.")
         .usage("image(\"wood.png\")")
-        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\nlet wood = image(\"wood.png\");\ndiffuse(wood);\nsphere(-1.2, 0, 0, 1.1);\ndiffuse(wood * vec3(1, 0.4, 0.3));   // stained\nsphere(1.2, 0, 0, 1.1);")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\nlet wood = image(\"wood.png\");\ndiffuse(wood);\nsphere(-1.2, 0, 0, 1.1);\ndiffuse(image(wood, #{ mapping: \"box\" }) * vec3(1, 0.6, 0.5));   // stained\ngroup { translate(1.2, 0, 0); rotate(1, 2, 0, 40); scale(1.5, 1.5, 1.5); box(); }")
         .also(&["texture", "loadImage", "loadTexture", "picture"]),
 ];
 
@@ -80,6 +84,9 @@ pub(super) fn with_assets<T>(
 }
 
 fn image(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    if call.len() == 2 {
+        return image_laid(call, state);
+    }
     if let Some(data) = call
         .peek()
         .and_then(|d| d.read_lock::<Map>().map(|map| map.clone()))
@@ -99,6 +106,22 @@ fn image(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
         Some(image) => Ok(Dynamic::from(image)),
         None => Err(call.error("file is no picture")),
     }
+}
+
+/// `image("wood.png", #{ mapping: "box" })`, or of a picture that was read before.
+fn image_laid(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let given = call.any()?;
+    let texture = if let Some(image) = given.read_lock::<ImageValue>() {
+        Arc::clone(image.texture())
+    } else if let Ok(file) = given.clone().into_immutable_string() {
+        with_assets(state, &file, |path, assets, _| {
+            assets.texture(path).map_err(Box::new)
+        })?
+    } else {
+        return Err(call.wrong_kind("image", "the name of a file or an image", given));
+    };
+    let options = patterns::options(call, &patterns::LAYING)?;
+    patterns::laid(call, texture, &options)
 }
 
 /// `image(#{ width: 2, height: 1, pixels: [1, 0, 0,  0, 1, 0] })`.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rhai::{Dynamic, FuncRegistration, Map, Module};
 
-use super::{color, map, number, term};
+use super::{color, finishes, map, number, term};
 use crate::{
     color::{Color, linear_from_srgb},
     math::DVec3,
@@ -13,16 +13,25 @@ use crate::{
         call::{Call, TermValue, texture_of},
         session::State,
         table::{DONE, Entry, Group},
-        value::{ImageValue, Outcome, TextureValue},
+        value::{ImageValue, Outcome, ScriptError, TextureValue},
     },
 };
 
-const KEYS: [&str; 8] = [
+const KEYS: [&str; 17] = [
+    "absorption",
     "ambient",
+    "bump",
+    "clearCoat",
+    "conductor",
     "diffuse",
+    "dispersion",
     "emission",
+    "fresnel",
     "ior",
+    "normalMap",
+    "orenNayar",
     "reflection",
+    "roughness",
     "shininess",
     "specular",
     "transmission",
@@ -78,10 +87,10 @@ pub(super) const ENTRIES: &[Entry] = &[
     Entry::scene(Group::Materials, "material", material)
         .takes(&[
             &[],
-            &[map("options", "any of ambient, diffuse, emission, ior, reflection, shininess, specular, transmission").keys(&KEYS)],
+            &[map("options", "any of ambient, diffuse, emission, ior, reflection, shininess, specular, transmission; fresnel, conductor (a name or #{ eta, k }), roughness, orenNayar, clearCoat (#{ strength, roughness }), absorption (#{ color, distance }), dispersion, bump (#{ texture, height }), normalMap (#{ image, strength })").keys(&KEYS)],
         ])
         .returns("map")
-        .doc("Sets several terms at once and returns the whole state as a map. material(m) puts such a map back. A reflection of () follows Ks again.")
+        .doc("Sets several terms at once and returns the whole state as a map. material(m) puts such a map back. A reflection of () follows Ks again, and () takes a bump, a roughness and the like away.")
         .usage("material(#{ diffuse: [0.8, 0.2, 0.1], shininess: 50 })")
         .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\nlet red = material(#{ diffuse: [0.8, 0.1, 0.1], shininess: 50 });\ndiffuse(0.15, 0.35, 0.8);\nsphere(-1.2, 0, 0, 1);\nmaterial(red);\nsphere(1.2, 0, 0, 1);")
         .also(&["setMaterial", "surface", "finish"]),
@@ -110,7 +119,7 @@ pub(super) const ENTRIES: &[Entry] = &[
 ];
 
 /// A term of the scene from a term of the script.
-fn scene_term(state: &mut State, value: &TermValue) -> Term {
+pub(super) fn scene_term(state: &mut State, value: &TermValue) -> Term {
     Term {
         color: value.color,
         texture: value.texture.as_ref().map(|t| state.builder.texture(t)),
@@ -178,9 +187,16 @@ fn material(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
         };
         call.known_keys(&map, &KEYS)?;
         let mut m = state.builder.material().clone();
+        let mut finish = m.finish.as_deref().cloned().unwrap_or_default();
         for (key, value) in map.iter() {
-            set(call, state, &mut m, key, value)?;
+            if finishes::KEYS.contains(&key.as_str()) {
+                finishes::set(call, state, &mut finish, key, value)?;
+            } else {
+                set(call, state, &mut m, key, value)?;
+            }
         }
+        m.change_finish(|f| *f = finish)
+            .map_err(Box::<ScriptError>::from)?;
         state.builder.set_material(m);
     }
     Ok(Dynamic::from_map(as_map(state)))
@@ -208,16 +224,8 @@ fn set(call: &Call<'_, '_>, state: &mut State, m: &mut Material, key: &str, valu
 
 fn as_map(state: &State) -> Map {
     let m = state.builder.material();
-    let term = |t: &Term| match t.texture.and_then(|id| state.builder.texture_at(id)) {
-        None => Dynamic::from(t.color),
-        Some(texture) => match ImageValue::of(texture) {
-            Some(image) if t.color == Color::ONE => Dynamic::from(image),
-            _ => Dynamic::from(TextureValue {
-                texture: Arc::clone(texture),
-                tint: t.color,
-            }),
-        },
-    };
+    let term = |t: &Term| term_value(state, t);
+    let finish = m.finish.as_deref().cloned().unwrap_or_default();
     let entries = [
         ("ambient", term(&m.ambient)),
         ("diffuse", term(&m.diffuse)),
@@ -230,8 +238,23 @@ fn as_map(state: &State) -> Map {
     ];
     entries
         .into_iter()
+        .chain(finishes::as_map(state, &finish))
         .map(|(key, value)| (key.into(), value))
         .collect()
+}
+
+/// A term of the script from a term of the scene.
+pub(super) fn term_value(state: &State, t: &Term) -> Dynamic {
+    match t.texture.and_then(|id| state.builder.texture_at(id)) {
+        None => Dynamic::from(t.color),
+        Some(texture) => match ImageValue::of(texture) {
+            Some(image) if t.color == Color::ONE => Dynamic::from(image),
+            _ => Dynamic::from(TextureValue {
+                texture: Arc::clone(texture),
+                tint: t.color,
+            }),
+        },
+    }
 }
 
 /// The hexcone of Smith ("Color gamut transform pairs", SIGGRAPH 1978), whose RGB is that of a screen.

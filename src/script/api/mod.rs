@@ -6,6 +6,7 @@ mod camera;
 mod colors;
 mod csg;
 mod edition;
+mod finishes;
 mod functions;
 mod heights;
 mod lamps;
@@ -16,6 +17,7 @@ mod noise;
 mod numbers;
 mod output;
 pub(super) mod params;
+mod patterns;
 mod queries;
 mod random;
 mod sequences;
@@ -36,7 +38,7 @@ use rhai::Module;
 use super::table::{Entry, Kind, Param};
 
 /// Every list, in the order of the reference.
-pub(super) const ALL: [&[Entry]; 23] = [
+pub(super) const ALL: [&[Entry]; 25] = [
     edition::ENTRIES,
     camera::ENTRIES,
     transform::ENTRIES,
@@ -45,6 +47,8 @@ pub(super) const ALL: [&[Entry]; 23] = [
     csg::ENTRIES,
     materials::ENTRIES,
     colors::ENTRIES,
+    finishes::ENTRIES,
+    patterns::ENTRIES,
     assets::ENTRIES,
     heights::ENTRIES,
     text::ENTRIES,

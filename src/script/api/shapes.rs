@@ -74,7 +74,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .doc("A box centered at the origin; without arguments the unit cube, which scale(w, h, d) gives its size.")
         .usage("box(1, 2, 0.5)")
         .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.8, 0.55, 0.15);\nrotate(1, 1, 0, 30);\nbox(1.5, 2, 1.5);")
-        .also(&["cube", "cuboid", "brick", "block"]),
+        .also(&["cube", "cuboid", "block"]),
     Entry::scene(Group::Shapes, "cylinder", cylinder)
         .takes(&[&[], &[RADIUS, HEIGHT]])
         .doc("A closed cylinder around Y, centered at the origin; without arguments of radius 0.5 and height 1.")

@@ -1,0 +1,98 @@
+//! Textures made of textures.
+
+use super::{
+    Paint, Placement, SceneError,
+    texture::{Size, TexturePoint},
+};
+use crate::{
+    color::Color,
+    math::{DAffine3, DVec2, DVec3},
+};
+
+/// Two textures and a mask; see [`Texture::mix`](super::Texture::mix).
+#[derive(Clone, Debug, PartialEq)]
+pub struct MixTexture {
+    a: Paint,
+    b: Paint,
+    mask: Paint,
+    size: Size,
+}
+
+impl MixTexture {
+    pub(super) fn new(a: Paint, b: Paint, mask: Paint) -> Result<Self, SceneError> {
+        let size = Size::of([&a, &b, &mask])?;
+        Ok(Self { a, b, mask, size })
+    }
+
+    /// What shows where the mask is black, what where it is white, and the mask.
+    #[must_use]
+    pub fn paints(&self) -> [&Paint; 3] {
+        [&self.a, &self.b, &self.mask]
+    }
+
+    pub(super) fn size(&self) -> Size {
+        self.size
+    }
+
+    pub(super) fn at(&self, point: &TexturePoint) -> Color {
+        let share = self.mask.at(point);
+        if share == Color::ZERO {
+            return self.a.at(point);
+        }
+        if share == Color::ONE {
+            return self.b.at(point);
+        }
+        self.a.at(point) * (Color::ONE - share) + self.b.at(point) * share
+    }
+}
+
+/// A texture that lies elsewhere; see [`Texture::placed`](super::Texture::placed).
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacedTexture {
+    paint: Paint,
+    placement: Placement,
+    texture_from_object: DAffine3,
+    size: Size,
+}
+
+impl PlacedTexture {
+    pub(super) fn new(paint: Paint, placement: Placement) -> Result<Self, SceneError> {
+        placement.check()?;
+        let size = Size::of([&paint])?;
+        let texture_from_object = placement.texture_from_object();
+        Ok(Self {
+            paint,
+            placement,
+            texture_from_object,
+            size,
+        })
+    }
+
+    /// What lies there.
+    #[must_use]
+    pub fn paint(&self) -> &Paint {
+        &self.paint
+    }
+
+    /// Where it lies.
+    #[must_use]
+    pub fn placement(&self) -> &Placement {
+        &self.placement
+    }
+
+    pub(super) fn size(&self) -> Size {
+        self.size
+    }
+
+    pub(super) fn at(&self, point: &TexturePoint) -> Color {
+        let at = |p: DVec3| self.placement.stir(self.texture_from_object.transform_point3(p));
+        let uv = at(DVec3::new(point.uv.x, point.uv.y, 0.0));
+        // A normal goes by the transpose of the inverse.
+        let object_from_texture = self.texture_from_object.matrix3.inverse();
+        self.paint.at(&TexturePoint {
+            uv: DVec2::new(uv.x, uv.y),
+            position: at(point.position),
+            normal: object_from_texture.transpose() * point.normal,
+        })
+    }
+}

@@ -1,0 +1,408 @@
+//! What surfaces do beyond the shading equation: Fresnel, metals, roughness, coats, colored and dispersing glass, relief.
+
+use rhai::{Dynamic, Map};
+
+use super::{
+    materials::{scene_term, term_value},
+    number, patterns, string, term, vec3,
+};
+use crate::{
+    color::Color,
+    math::DVec3,
+    scene::{Absorption, Bump, ClearCoat, Conductor, Finish, NormalMap, Term, finish_mean},
+    script::{
+        call::{Call, TermValue, number_of, texture_of},
+        session::State,
+        table::{DONE, Entry, Group, Kind, Param},
+        value::{Outcome, ScriptError},
+    },
+};
+
+/// Their keys in `material(#{ })`.
+pub(super) const KEYS: [&str; 9] = [
+    "absorption",
+    "bump",
+    "clearCoat",
+    "conductor",
+    "dispersion",
+    "fresnel",
+    "normalMap",
+    "orenNayar",
+    "roughness",
+];
+
+macro_rules! studio {
+    ($rest:literal) => {
+        concat!(
+            "background(\"#cfe3f5\");\nsamples(16);\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ngroup { translate(0, -1, 0); diffuse(checker(\"#fff\", \"#3a7\", 1)); plane(); }\n",
+            $rest
+        )
+    };
+}
+
+pub(super) const ENTRIES: &[Entry] = &[
+    Entry::scene(Group::Materials, "fresnel", fresnel)
+        .takes(&[&[Param::new("on", Kind::Any, "none", "true or false")]])
+        .doc("Mirror and transparency share the light by Fresnel's equations for ior(n): water and glass mirror little straight on and all at grazing angles. Kr and Kt then say how much of each share is kept; where neither Kr nor Ks is given, Kr is white. What is not mirrored goes on to Kd and Kt. Default: false.")
+        .usage("fresnel(true)")
+        .example(studio!("ambient(0, 0, 0);\nfresnel(true);\ngroup { transmission(1, 1, 1); sphere(-1.1, 0.1, 0, 1); }\ndiffuse(0.6, 0.05, 0.05);   // a billiard ball\nsphere(1.1, 0.1, 0, 1);"))
+        .also(&["dielectric", "schlick"]),
+    Entry::scene(Group::Materials, "conductor", conductor)
+        .takes(&[
+            &[string("metal", "aluminium, copper, gold or silver, as they were measured")],
+            &[
+                vec3("eta", "none", "index of refraction in red, green and blue"),
+                vec3("k", "none", "absorption coefficient in red, green and blue"),
+            ],
+        ])
+        .doc("The mirror of a metal: its color by Fresnel's equations for conductors, paler at grazing angles. Where neither Kr nor Ks is given, Kr is white.")
+        .usage("conductor(\"gold\")")
+        .example(studio!("let metals = [\"gold\", \"copper\", \"silver\"];\nfor i in 0..3 {\n  conductor(metals[i]);\n  roughness(0.15 * i);\n  sphere(i * 1.9 - 1.9, 0, 0, 0.9);\n}"))
+        .also(&["metal", "metallic", "gold", "silver", "copper", "aluminium"]),
+    Entry::scene(Group::Materials, "roughness", roughness)
+        .takes(&[
+            &[number("r", "none", "0 smooth to 1; 0.1 satin, 0.3 brushed, 0.6 frosted")],
+            &[term("texture", "the mean of its channels is the roughness")],
+        ])
+        .doc("Blurs what the mirror sees and what is seen through, as a surface of tiny mirrors (GGX) does, and shows lamps in it as highlights of the same shape with weight Kr, in place of Ks and shininess. One ray is followed for each sample, so samples(n) decides about the noise. Default: 0.")
+        .usage("roughness(0.3)")
+        .example(studio!("reflection(0.9, 0.9, 0.9);\nfor i in 0..3 {\n  roughness(0.1 + 0.2 * i);\n  sphere(i * 1.9 - 1.9, 0, 0, 0.9);\n}"))
+        .also(&["microfacet", "ggx", "frosted", "blurry", "glossy"]),
+    Entry::scene(Group::Materials, "orenNayar", oren_nayar)
+        .takes(&[&[number("sigma", "degrees", "spread of the slopes, 0 to 90; clay 20, the moon 40")]])
+        .doc("Makes Kd that of a rough matt surface, which is flatter than Lambert's: clay, cloth, the moon. Default: 0, Lambert.")
+        .usage("orenNayar(30)")
+        .example("background(\"#223\");\nambient(0, 0, 0);\ndirectional([0, 0.3, 1], [1, 1, 1]);\ndiffuse(0.8, 0.7, 0.6);\nsphere(-1.2, 0, 0, 1);\norenNayar(40);\nsphere(1.2, 0, 0, 1);")
+        .also(&["matte", "clay", "brilliance"]),
+    Entry::scene(Group::Materials, "clearCoat", clear_coat)
+        .takes(&[&[
+            number("strength", "none", "0 none to 1"),
+            number("roughness", "none", "0 to 1").or("0.1"),
+        ]])
+        .doc("A layer of clear varnish (index 1.5) on top: a mirror of its own by Fresnel's equations, with highlights, over whatever the surface is below. Default: 0.")
+        .usage("clearCoat(1, 0.05)")
+        .example(studio!("diffuse(0.55, 0.02, 0.05);\nsphere(-1.1, 0, 0, 1);\nclearCoat(1, 0.05);\nsphere(1.1, 0, 0, 1);"))
+        .also(&["coat", "varnish", "lacquer", "carPaint"]),
+    Entry::scene(Group::Materials, "absorption", absorption)
+        .takes(&[&[
+            term("color", "the share of light that is left after the distance; above 0, at most 1"),
+            number("distance", "world units", "greater than 0"),
+        ]])
+        .doc("What the inside takes from light on its way (Beer's law): thick glass is darker than thin. White for none.")
+        .usage("absorption(\"#5c9\", 1)")
+        .example(studio!("ambient(0, 0, 0);\nfresnel(true);\ntransmission(1, 1, 1);\nabsorption(\"#3b8\", 0.8);\nfor i in 0..3 {\n  let r = 0.3 + 0.3 * i;\n  sphere(i * 1.5 - 1.7, r - 1, 0, r);\n}"))
+        .also(&["beer", "fade_distance", "attenuationColor", "volumeAbsorption"]),
+    Entry::scene(Group::Materials, "dispersion", dispersion)
+        .takes(&[&[number("abbe", "none", "Abbe number, 1 or greater: window glass 60, flint glass 30, diamond 55; 10 for show")]])
+        .doc("Bends colors apart as glass with this Abbe number does, ior(n) being that of yellow light. Each sample that goes through has one wavelength, so this needs many samples.")
+        .usage("dispersion(25)")
+        .example("background(\"#000\");\nsamples(64);\nmaxDepth(8);\nambient(0, 0, 0);\ncamera([0, 0, 6], [0, 0, 0], [0, 1, 0], 40);\ngroup { emission(1, 1, 1); translate(0, 0.5, -6); scale(9, 0.3, 0.1); box(); }\ntransmission(1, 1, 1);\nior(1.6);\ndispersion(8);\nsphere(0, 0, 0, 1.3);")
+        .also(&["abbe", "prism", "rainbow", "chromatic"]),
+    Entry::scene(Group::Materials, "bump", bump)
+        .takes(&[&[
+            term("texture", "its brightness is the height"),
+            number("height", "object units", "how high white is above black; 0 for none"),
+        ]])
+        .doc("Relief: light falls as if the surface were raised where the texture is bright. Its outline stays as it is.")
+        .usage("bump(granite(#{ scale: 0.2 }), 0.03)")
+        .example(studio!("diffuse(0.8, 0.5, 0.3);\nspecular(0.2, 0.2, 0.2);\nreflection(0, 0, 0);\nshininess(40);\nbump(pattern(\"fbm\", #{ colors: [\"#000\", \"#fff\"], scale: 0.4 }), 0.15);\nsphere(-1.1, 0, 0, 1);\nbump(brick(#{ scale: 0.8, colors: [\"#000\", \"#fff\"] }), 0.02);\nsphere(1.1, 0, 0, 1);"))
+        .also(&["bumpMap", "bump_map", "displacement", "wrinkles"]),
+    Entry::scene(Group::Materials, "normalMap", normal_map)
+        .takes(&[&[
+            Param::new("image", Kind::Image, "none", "red is to the right, green up, blue out of the surface, as in OpenGL and glTF; half is none"),
+            number("strength", "none", "1 as it is, 0 flat").or("1"),
+        ]])
+        .doc("Relief by a picture of normals, over the shape's texture coordinates.")
+        .usage("normalMap(image(#{ width: 1, height: 1, pixels: [0.5, 0.5, 1] }), 0.5)")
+        .example(studio!("let dents = [];\nfor y in 0..16 { for x in 0..16 {\n  dents.push([0.5 + 0.3 * sin(x * PI / 4), 0.5 + 0.3 * sin(y * PI / 4), 0.9]);\n} }\ndiffuse(0.3, 0.5, 0.8);\nspecular(0.4, 0.4, 0.4);\nreflection(0, 0, 0);\nshininess(40);\nnormalMap(image(#{ width: 16, height: 16, pixels: dents }));\nsphere(0, 0.2, 0, 1.1);"))
+        .also(&["normal_map", "tangentSpace"]),
+];
+
+/// Changes the finish of the current material.
+fn change(state: &mut State, change: impl FnOnce(&mut Finish)) -> Outcome {
+    state
+        .builder
+        .material_mut()
+        .change_finish(change)
+        .map_err(Box::<ScriptError>::from)?;
+    DONE
+}
+
+fn fresnel(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let given = call.any()?;
+    call.end()?;
+    let on = given
+        .as_bool()
+        .map_err(|_| call.wrong_kind("on", "true or false", given))?;
+    change(state, |f| f.fresnel = on)
+}
+
+fn conductor(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let metal = match call.peek() {
+        Some(d) if d.is_string() => {
+            let name = call.string("metal")?;
+            metal(call, &name)?
+        }
+        _ => Conductor {
+            eta: call.vec3("eta")?,
+            k: call.vec3("k")?,
+        },
+    };
+    call.end()?;
+    change(state, |f| f.conductor = Some(metal))
+}
+
+fn metal(call: &Call<'_, '_>, name: &str) -> Outcome<Conductor> {
+    if let Some((_, metal)) = Conductor::METALS.iter().find(|(known, _)| *known == name) {
+        return Ok(*metal);
+    }
+    let names: Vec<&str> = Conductor::METALS.iter().map(|(name, _)| *name).collect();
+    Err(patterns::choice_error(call, "metal", name, &names))
+}
+
+fn roughness(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let given = call.any()?;
+    let value = if call.rest() == 0 {
+        rough_value(call, "r", given)?
+    } else {
+        return Err(call.wrong_count());
+    };
+    let term = scene_term(state, &value);
+    change(state, |f| f.roughness = some_roughness(term))
+}
+
+/// A number or a texture.
+fn rough_value(call: &Call<'_, '_>, name: &str, d: &Dynamic) -> Outcome<TermValue> {
+    if number_of(d).is_some() {
+        let color = Color::splat(call.number_from(name, d)?);
+        return Ok(TermValue { color, texture: None });
+    }
+    call.term_from(name, d)
+}
+
+fn some_roughness(term: Term) -> Option<Term> {
+    (term.texture.is_some() || term.color != Color::ZERO).then_some(term)
+}
+
+fn oren_nayar(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let sigma = call.number("sigma")?;
+    call.end()?;
+    change(state, |f| f.oren_nayar = sigma)
+}
+
+fn clear_coat(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let strength = call.number("strength")?;
+    let roughness = if call.rest() > 0 {
+        call.number("roughness")?
+    } else {
+        0.1
+    };
+    call.end()?;
+    let coat = ClearCoat { strength, roughness };
+    change(state, |f| {
+        f.clear_coat = Some(coat).filter(|coat| coat.strength != 0.0)
+    })
+}
+
+fn absorption(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let color = call.color("color")?;
+    let distance = call.number("distance")?;
+    call.end()?;
+    let absorption = Absorption { color, distance };
+    change(state, |f| {
+        f.absorption = Some(absorption).filter(|absorption| absorption.color != Color::ONE);
+    })
+}
+
+fn dispersion(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let abbe = call.number("abbe")?;
+    call.end()?;
+    change(state, |f| f.dispersion = Some(abbe))
+}
+
+fn bump(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let value = call.term("texture")?;
+    let height = call.number("height")?;
+    call.end()?;
+    let texture = scene_term(state, &value);
+    change(state, |f| {
+        f.bump = Some(Bump { texture, height }).filter(|bump| bump.height != 0.0)
+    })
+}
+
+fn normal_map(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let given = call.any()?;
+    let strength = if call.rest() > 0 {
+        call.number("strength")?
+    } else {
+        1.0
+    };
+    call.end()?;
+    let map = map_of(call, state, "image", given, strength)?;
+    change(state, |f| f.normal_map = map)
+}
+
+fn map_of(
+    call: &Call<'_, '_>,
+    state: &mut State,
+    name: &str,
+    given: &Dynamic,
+    strength: f64,
+) -> Outcome<Option<NormalMap>> {
+    let Some(texture) = texture_of(given).and_then(|value| value.texture) else {
+        return Err(call.wrong_kind(name, "an image or a texture", given));
+    };
+    let texture = state.builder.texture(&texture);
+    Ok(Some(NormalMap { texture, strength }).filter(|map| map.strength != 0.0))
+}
+
+/// Sets what `material(#{ })` names; `()` is none.
+pub(super) fn set(
+    call: &Call<'_, '_>,
+    state: &mut State,
+    f: &mut Finish,
+    key: &str,
+    value: &Dynamic,
+) -> Outcome<()> {
+    let none = value.is_unit();
+    let options = |known: &[&str]| -> Outcome<Map> {
+        let Some(map) = value.read_lock::<Map>() else {
+            return Err(call.wrong_kind(key, "a map #{ } or ()", value));
+        };
+        call.known_keys(&map, known)?;
+        Ok(map.clone())
+    };
+    let missing = |name: &str| call.error(format!("{key} needs {name}"));
+    let number = |map: &Map, name: &str, default: Option<f64>| -> Outcome<f64> {
+        match (map.get(name), default) {
+            (Some(d), _) => call.number_from(name, d),
+            (None, Some(default)) => Ok(default),
+            (None, None) => Err(missing(name)),
+        }
+    };
+    match key {
+        "fresnel" => {
+            f.fresnel = value
+                .as_bool()
+                .map_err(|_| call.wrong_kind(key, "true or false", value))?;
+        }
+        "orenNayar" => f.oren_nayar = call.number_from(key, value)?,
+        "absorption" if none => f.absorption = None,
+        "bump" if none => f.bump = None,
+        "clearCoat" if none => f.clear_coat = None,
+        "conductor" if none => f.conductor = None,
+        "dispersion" if none => f.dispersion = None,
+        "normalMap" if none => f.normal_map = None,
+        "roughness" if none => f.roughness = None,
+        "dispersion" => f.dispersion = Some(call.number_from(key, value)?),
+        "roughness" => {
+            let value = rough_value(call, key, value)?;
+            f.roughness = some_roughness(scene_term(state, &value));
+        }
+        "conductor" if value.is_string() => {
+            let name = value.clone().into_immutable_string().unwrap_or_default();
+            f.conductor = Some(metal(call, &name)?);
+        }
+        "conductor" => {
+            let map = options(&["eta", "k"])?;
+            let vector = |name: &str| -> Outcome<DVec3> {
+                call.vec3_from(name, map.get(name).ok_or_else(|| missing(name))?)
+            };
+            f.conductor = Some(Conductor {
+                eta: vector("eta")?,
+                k: vector("k")?,
+            });
+        }
+        "absorption" => {
+            let map = options(&["color", "distance"])?;
+            let color = call.term_from("color", map.get("color").ok_or_else(|| missing("color"))?)?;
+            f.absorption = Some(Absorption {
+                color: color.color,
+                distance: number(&map, "distance", None)?,
+            });
+        }
+        "clearCoat" => {
+            let map = options(&["roughness", "strength"])?;
+            f.clear_coat = Some(ClearCoat {
+                strength: number(&map, "strength", None)?,
+                roughness: number(&map, "roughness", Some(0.1))?,
+            });
+        }
+        "bump" => {
+            let map = options(&["height", "texture"])?;
+            let value = call.term_from("texture", map.get("texture").ok_or_else(|| missing("texture"))?)?;
+            f.bump = Some(Bump {
+                texture: scene_term(state, &value),
+                height: number(&map, "height", None)?,
+            });
+        }
+        _ => {
+            let map = options(&["image", "strength"])?;
+            let image = map.get("image").ok_or_else(|| missing("image"))?;
+            let strength = number(&map, "strength", Some(1.0))?;
+            f.normal_map = map_of(call, state, "image", image, strength)?;
+        }
+    }
+    Ok(())
+}
+
+/// What `material()` returns of it.
+pub(super) fn as_map(state: &State, f: &Finish) -> [(&'static str, Dynamic); 9] {
+    let map = |entries: &[(&str, Dynamic)]| {
+        let entries = entries.iter().map(|(key, value)| ((*key).into(), value.clone()));
+        Dynamic::from_map(entries.collect())
+    };
+    let of = |value: Option<Dynamic>| value.unwrap_or(Dynamic::UNIT);
+    [
+        (
+            "absorption",
+            of(f.absorption.map(|a| {
+                map(&[
+                    ("color", Dynamic::from(a.color)),
+                    ("distance", Dynamic::from(a.distance)),
+                ])
+            })),
+        ),
+        (
+            "bump",
+            of(f.bump.map(|b| {
+                map(&[
+                    ("height", Dynamic::from(b.height)),
+                    ("texture", term_value(state, &b.texture)),
+                ])
+            })),
+        ),
+        (
+            "clearCoat",
+            of(f.clear_coat.map(|c| {
+                map(&[
+                    ("roughness", Dynamic::from(c.roughness)),
+                    ("strength", Dynamic::from(c.strength)),
+                ])
+            })),
+        ),
+        (
+            "conductor",
+            of(f.conductor
+                .map(|c| map(&[("eta", Dynamic::from(c.eta)), ("k", Dynamic::from(c.k))]))),
+        ),
+        ("dispersion", of(f.dispersion.map(Dynamic::from))),
+        ("fresnel", Dynamic::from(f.fresnel)),
+        (
+            "normalMap",
+            of(f.normal_map.map(|m| {
+                let image = term_value(state, &Term::texture(m.texture));
+                map(&[("image", image), ("strength", Dynamic::from(m.strength))])
+            })),
+        ),
+        ("orenNayar", Dynamic::from(f.oren_nayar)),
+        (
+            "roughness",
+            of(f.roughness.map(|r| match r.texture {
+                None if r.color == Color::splat(r.color.x) => Dynamic::from(r.color.x),
+                None => Dynamic::from(Color::splat(finish_mean(r.color))),
+                Some(_) => term_value(state, &r),
+            })),
+        ),
+    ]
+}
