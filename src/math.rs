@@ -44,6 +44,10 @@ from_libm! {
     atanh(x) = atanh;
     /// e to the power x.
     exp(x) = exp;
+    /// e to the power x, minus 1, to the last digit where that is little.
+    expm1(x) = expm1;
+    /// Natural logarithm of 1 + x, to the last digit where that is little.
+    log1p(x) = log1p;
     /// Natural logarithm.
     ln(x) = log;
     /// Logarithm to base 2.

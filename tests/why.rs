@@ -37,16 +37,15 @@ fn the_parts_of_ten_gallery_pixels_add_up_to_their_values() {
         let rendered = gallery(name, 3);
         let world = World::compile(&rendered.scene).unwrap();
         let explained = world.explain(x, y, &NoHost).unwrap();
-        let background = rendered.scene.settings.background;
         let mut sum = rtscript::DVec3::ZERO;
         let mut terms = rtscript::DVec3::ZERO;
         for sample in &explained.samples {
             assert!(sample.rays[0].hit.is_some() || sample.rays.len() == 1);
-            sum += sample.sum(background) / 3.0;
+            sum += sample.sum() / 3.0;
             // From the smallest parts on: what a light's points give, diffuse and specular by themselves.
             for ray in &sample.rays {
                 let Some(hit) = &ray.hit else {
-                    terms += ray.weight * background / 3.0;
+                    terms += ray.weight * ray.beyond / 3.0;
                     continue;
                 };
                 terms += ray.weight * (hit.ambient + hit.emission) / 3.0;

@@ -15,6 +15,7 @@ mod command;
 mod convert;
 mod course;
 mod guard;
+mod hdr;
 mod kept;
 mod look;
 mod mtl;

@@ -4,13 +4,14 @@ use std::{io::Cursor, panic};
 
 use image::{DynamicImage, GenericImageView, ImageFormat, ImageReader, error::ImageError};
 
+use super::hdr;
 use crate::{
     diag::{Diagnostic, ErrorKind},
     limits::Limits,
     scene::{ImageTexture, SceneError, Texels},
 };
 
-/// Decodes a PNG or JPEG picture; which of them it is, its bytes say and not its name.
+/// Decodes a PNG, JPEG or Radiance picture; which of them it is, its bytes say and not its name.
 ///
 /// 16 bits are reduced to 8 and transparency is dropped. Both decoders work in whole numbers, so the texels
 /// are the same on every machine.
@@ -19,6 +20,9 @@ use crate::{
 /// Where it is neither format, is damaged, has no pixels, or passes the limits `texture_side` or
 /// `decode_bytes`.
 pub(super) fn decode(name: &str, bytes: &[u8], limits: &Limits) -> Result<ImageTexture, Diagnostic> {
+    if hdr::is_hdr(bytes) {
+        return hdr::decode(name, bytes, limits);
+    }
     let picture = decoded(name, bytes, limits, DynamicImage::into_rgb8)?;
     let (width, height) = picture.dimensions();
     let texels = picture.into_raw().as_chunks::<3>().0.to_vec();

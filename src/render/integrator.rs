@@ -144,8 +144,20 @@ pub(super) fn radiance<O: Observer>(
                 weight *= polish::dimmed(world, inside, None, f64::INFINITY);
                 observer.dimmed(weight);
             }
-            let added = weight * settings.background;
-            observer.background(added);
+            let mut seen = settings.background;
+            let mut added = weight * seen;
+            if let Some(around) = &world.around {
+                seen = around.beyond(seen, ray.dir);
+                added = weight * seen;
+                let way = (&ray, f64::INFINITY);
+                if let Some(air) = around.air(world, way, None, &path, counts) {
+                    observer.air(&air);
+                    added = weight * (air.passed * seen + air.scattered);
+                }
+                // The next way through air has numbers of its own.
+                path.vertex += 1;
+            }
+            observer.background(seen, added);
             sum += added;
             continue;
         };
@@ -170,11 +182,27 @@ pub(super) fn radiance<O: Observer>(
                 _ => m.reflectance.as_deref(),
             },
         };
-        let (ambient, emission) = (term(&m.ambient), term(&m.emission));
+        let (mut ambient, emission) = (term(&m.ambient), term(&m.emission));
+        if let Some(around) = &world.around
+            && around.occlusion.is_some()
+            && ambient != Color::ZERO
+        {
+            ambient *= lighting::openness(world, &at, hit.number, &path, counts);
+        }
         let direct = lighting::direct(
             world, &at, hit.number, ray.origin, &gloss, &path, counts, observer,
         );
-        let added = weight * (ambient + emission + direct);
+        let mut added = weight * (ambient + emission + direct);
+        let mut weight = weight;
+        if let Some(around) = &world.around {
+            // Where something transparent touches something opaque, the hit counts from elsewhere.
+            let way = (&ray, (at.position - ray.origin).length());
+            if let Some(air) = around.air(world, way, Some(&at), &path, counts) {
+                observer.air(&air);
+                added = weight * (air.passed * (ambient + emission + direct) + air.scattered);
+                weight *= air.passed;
+            }
+        }
         observer.shaded(ambient, emission, direct, added);
         sum += added;
         path.vertex += 1;

@@ -1,7 +1,10 @@
 //! From a [`Scene`] to an [`Image`].
 
+mod around;
 mod coarse;
 mod compiled;
+pub(crate) mod daylight;
+mod environment;
 pub mod explain;
 mod film;
 mod inspect;

@@ -2,6 +2,7 @@
 //! integrator tells an [`Observer`] each step, and a render's observer is `()`, of which nothing is left in the program.
 
 use super::{
+    around::Air,
     lighting::Lit,
     world::{Hit, Probe, SurfacePoint, World},
 };
@@ -41,8 +42,10 @@ pub(super) trait Observer {
     fn ray(&mut self, _ray: &Ray, _weight: Color, _depth: u32) {}
     /// Of what it sees only this share gets back to its start, so that it has this weight.
     fn dimmed(&mut self, _weight: Color) {}
-    /// It meets nothing.
-    fn background(&mut self, _added: Color) {}
+    /// Between its start and what it sees there is air.
+    fn air(&mut self, _air: &Air) {}
+    /// It meets nothing, and sees this.
+    fn background(&mut self, _seen: Color, _added: Color) {}
     /// It meets a surface.
     fn surface(&mut self, _hit: &Hit, _ray: &Ray, _at: &SurfacePoint<'_>) {}
     /// The lights from now on are those of this number.

@@ -90,7 +90,7 @@ impl Scene {
                 c.fovy
             ),
         ];
-        for line in lines {
+        for line in lines.into_iter().chain(s.surroundings.lines()) {
             out.push_str(&line);
             out.push('\n');
         }

@@ -1,8 +1,9 @@
 //! A scene's identity.
 
 use super::{
-    Attenuation, Attribute, Camera, Encoding, Geometry, Group, ImageTexture, Light, LightKind, Material,
-    Mesh, Object, Scene, Settings, Term, Texels, Texture, Triangle,
+    Attenuation, Attribute, Camera, Encoding, Environment, Fog, Geometry, Group, Haze, ImageTexture, Light,
+    LightKind, Material, Mesh, Object, Occlusion, Scene, Settings, Sky, Surroundings, Term, Texels, Texture,
+    Triangle,
 };
 use crate::{
     math::{DAffine3, DVec2, DVec3},
@@ -107,6 +108,7 @@ impl Digest {
             background,
             encoding,
             seed,
+            surroundings,
             edition: _,
         } = settings;
         // The newest is what a scene has that asks for none.
@@ -118,6 +120,78 @@ impl Digest {
             Encoding::Raw => 1,
         });
         self.int(*seed);
+        self.surroundings(surroundings);
+    }
+
+    /// Nothing where there are none, as it was before there could be any; what there is has a name before it.
+    fn surroundings(&mut self, surroundings: &Surroundings) {
+        let Surroundings {
+            environment,
+            occlusion,
+            fog,
+            haze,
+        } = surroundings;
+        if let Some(Environment {
+            sky,
+            strength,
+            rotation,
+            n,
+        }) = environment
+        {
+            self.text("environment");
+            match sky {
+                Sky::Gradient {
+                    zenith,
+                    horizon,
+                    ground,
+                } => {
+                    self.int(0);
+                    self.vectors([*zenith, *horizon, *ground]);
+                }
+                Sky::Image(id) => self.ints([1, id.0]),
+                Sky::Daylight {
+                    sun,
+                    turbidity,
+                    ground,
+                } => {
+                    self.int(2);
+                    self.vectors([*sun, *ground]);
+                    self.float(*turbidity);
+                }
+            }
+            self.vector(*strength);
+            self.float(*rotation);
+            self.int(u64::from(*n));
+        }
+        if let Some(Occlusion { distance, n }) = occlusion {
+            self.text("occlusion");
+            self.float(*distance);
+            self.int(u64::from(*n));
+        }
+        if let Some(Fog {
+            color,
+            distance,
+            base,
+            height,
+        }) = fog
+        {
+            self.text("fog");
+            self.vector(*color);
+            self.floats([*distance, *base]);
+            self.option(height.as_ref(), |d, height| d.float(*height));
+        }
+        if let Some(Haze {
+            density,
+            albedo,
+            forward,
+            n,
+        }) = haze
+        {
+            self.text("haze");
+            self.vector(*albedo);
+            self.floats([*density, *forward]);
+            self.int(u64::from(*n));
+        }
     }
 
     fn camera(&mut self, camera: &Camera) {

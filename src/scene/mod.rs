@@ -27,6 +27,7 @@ mod pattern;
 mod placement;
 mod settings;
 mod source;
+mod surroundings;
 mod texture;
 mod texture_text;
 mod validate;
@@ -53,6 +54,7 @@ pub use placement::Placement;
 pub use settings::{Encoding, Settings};
 pub use source::AssetFiles;
 pub(crate) use source::{MeshFile, write as write_source};
+pub use surroundings::{Environment, Fog, Haze, Occlusion, Sky, Surroundings};
 pub use texture::{ImageTexture, Texels, Texture, TexturePoint};
 
 use std::{collections::BTreeMap, sync::Arc};

@@ -1,6 +1,6 @@
 //! What the whole picture has one of, besides the camera.
 
-use super::Edition;
+use super::{Edition, Surroundings};
 use crate::color::Color;
 
 /// How linear light becomes 8 bits.
@@ -32,6 +32,8 @@ pub struct Settings {
     pub encoding: Encoding,
     /// Seeds every random choice.
     pub seed: u64,
+    /// Environment, ambient occlusion, fog and haze.
+    pub surroundings: Surroundings,
 }
 
 impl Settings {
@@ -56,6 +58,7 @@ impl Default for Settings {
             background: Color::ZERO,
             encoding: Encoding::Srgb,
             seed: 0,
+            surroundings: Surroundings::default(),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Warnings about a complete scene: a black picture always comes with a sentence.
 
-use super::{Geometry, Scene, Term};
+use super::{Geometry, Scene, Surroundings, Term};
 use crate::{
     color::Color,
     diag::{Code, Diagnostic},
@@ -23,6 +23,7 @@ pub(super) fn warnings(scene: &Scene) -> Vec<Diagnostic> {
     }
     let glows = |term: &Term| !term.is_black();
     let lit_by_itself = scene.settings.background != Color::ZERO
+        || scene.settings.surroundings != Surroundings::default()
         || used_materials(scene).any(|m| glows(&m.ambient) || glows(&m.emission));
     if scene.root().lights.iter().all(|light| light.color == Color::ZERO) && !lit_by_itself {
         warnings.push(

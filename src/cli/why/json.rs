@@ -70,7 +70,7 @@ struct Json<'a>(&'a Answer<'a>);
 
 impl Json<'_> {
     fn ray(&self, ray: &ExplainedRay<'_>) -> Value {
-        json!({
+        let mut value = json!({
             "kind": kind(ray.kind),
             "parent": ray.parent,
             "depth": ray.depth,
@@ -79,7 +79,20 @@ impl Json<'_> {
             "weight": vector(ray.weight),
             "added": vector(ray.added),
             "hit": ray.hit.as_ref().map(|hit| self.hit(hit)),
-        })
+        });
+        if let Some(map) = value.as_object_mut() {
+            if let Some(air) = ray.air {
+                let (passed, scattered) = (vector(air.passed), vector(air.scattered));
+                map.insert(
+                    "air".to_owned(),
+                    json!({ "passed": passed, "scattered": scattered }),
+                );
+            }
+            if ray.hit.is_none() && self.0.scene.settings.surroundings.environment.is_some() {
+                map.insert("environment".to_owned(), json!(vector(ray.beyond)));
+            }
+        }
+        value
     }
 
     fn hit(&self, hit: &ExplainedHit<'_>) -> Value {
@@ -106,7 +119,7 @@ impl Json<'_> {
 
     fn light(&self, term: &LightTerm<'_>) -> Value {
         let light = self.0.scene.root().lights.get(term.light);
-        let kind = light.map(|light| light.kind.word());
+        let kind = light.map_or("environment", |light| light.kind.word());
         let samples: Vec<Value> = term.samples.iter().map(|sample| self.sample(sample)).collect();
         json!({
             "light": term.light,

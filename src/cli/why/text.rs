@@ -190,13 +190,20 @@ impl Text<'_> {
             format!("{kind} ray from {from} along {dir}, weight {}", color(ray.weight)),
         );
         let indent = indent + 2;
-        let Some(hit) = &ray.hit else {
-            let background = color(a.scene.settings.background);
-            let added = color(ray.added);
+        if let Some(air) = ray.air {
+            let (passed, scattered) = (color(air.passed), color(air.scattered));
             self.line(
                 indent,
-                format!("leaves for the background {background}, adding {added}"),
+                format!("air       lets {passed} pass and adds {scattered}"),
             );
+        }
+        let Some(hit) = &ray.hit else {
+            let what = match a.scene.settings.surroundings.environment {
+                None => "background",
+                Some(_) => "environment",
+            };
+            let (seen, added) = (color(ray.beyond), color(ray.added));
+            self.line(indent, format!("leaves for the {what} {seen}, adding {added}"));
             return;
         };
         let side = if hit.from_front { "front" } else { "back" };
@@ -237,16 +244,22 @@ impl Text<'_> {
 
     fn light(&mut self, indent: usize, term: &LightTerm<'_>) {
         let a = self.answer;
-        let Some(light) = a.scene.root().lights.get(term.light) else {
-            return;
+        let (head, points) = match a.scene.root().lights.get(term.light) {
+            Some(light) => {
+                let name = format!("light {}", term.light);
+                let kind = light.kind.word();
+                let made = place(a.scene, light.loc);
+                (
+                    format!("{name:8}  {}  {kind} light ({made})", color(term.added())),
+                    light.kind.points(),
+                )
+            }
+            None => {
+                let environment = a.scene.settings.surroundings.environment;
+                let n = environment.map_or(0, |environment| environment.n());
+                (format!("light     {}  environment", color(term.added())), n * n)
+            }
         };
-        let (kind, points) = (light.kind.word(), light.kind.points());
-        let name = format!("light {}", term.light);
-        let head = format!(
-            "{name:8}  {}  {kind} light ({})",
-            color(term.added()),
-            place(a.scene, light.loc)
-        );
         let seen = term.samples.len();
         if seen == 0 {
             self.line(indent, format!("{head}: behind the surface"));
@@ -274,7 +287,7 @@ impl Text<'_> {
             };
             self.line(indent, format!("{head}: {how}"));
         } else {
-            let behind = points as usize - seen;
+            let behind = (points as usize).saturating_sub(seen);
             let counts = [
                 (clear, "visible"),
                 (tinted, "tinted"),

@@ -63,8 +63,22 @@ pub struct ExplainedRay<'s> {
     pub weight: Color,
     /// What this ray adds to the sample's value: `weight` times the background, or times what its hit sends out.
     pub added: Color,
+    /// Fog and haze between its start and what it sees, where there are any.
+    pub air: Option<ExplainedAir>,
+    /// What it sees where it meets nothing: the background, or the environment in its direction.
+    pub beyond: Color,
     /// What it met; `None` is the background.
     pub hit: Option<Box<ExplainedHit<'s>>>,
+}
+
+/// What air does to what a ray sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ExplainedAir {
+    /// Share of what is seen that passes it.
+    pub passed: Color,
+    /// What it adds.
+    pub scattered: Color,
 }
 
 /// What a ray met, and what is to be seen there.
@@ -115,7 +129,7 @@ impl ExplainedHit<'_> {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct LightTerm<'s> {
-    /// Index among the lights of the root group.
+    /// Index among the lights of the root group; their number stands for the environment.
     pub light: usize,
     /// Points of the light that shadow rays went to. Those are missing to which the surface answers nothing, because
     /// they lie behind it.
@@ -193,11 +207,14 @@ impl ExplainedSample<'_> {
     /// The value, added up from every light's terms on: to the bit [`ExplainedSample::value`], unless that is black
     /// because it was no finite number.
     #[must_use]
-    pub fn sum(&self, background: Color) -> Color {
+    pub fn sum(&self) -> Color {
         let mut sum = Color::ZERO;
         for ray in &self.rays {
-            let sent = ray.hit.as_ref().map_or(background, |hit| hit.local());
-            sum += ray.weight * sent;
+            let sent = ray.hit.as_ref().map_or(ray.beyond, |hit| hit.local());
+            sum += match ray.air {
+                None => ray.weight * sent,
+                Some(air) => ray.weight * (air.passed * sent + air.scattered),
+            };
         }
         sum
     }

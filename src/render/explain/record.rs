@@ -1,12 +1,14 @@
 //! The observer that writes everything down.
 
 use super::{
-    BranchOutcome, ExplainedBranch, ExplainedHit, ExplainedRay, LightSample, LightTerm, Obstacle, RayKind,
+    BranchOutcome, ExplainedAir, ExplainedBranch, ExplainedHit, ExplainedRay, LightSample, LightTerm,
+    Obstacle, RayKind,
 };
 use crate::{
     color::Color,
     math::Ray,
     render::{
+        around::Air,
         integrator::split,
         lighting::{Lit, SHORT},
         observe::{Arrived, AtTheEnd, Observer},
@@ -61,6 +63,8 @@ impl Observer for Recorder<'_> {
             direction: ray.dir,
             weight,
             added: Color::ZERO,
+            air: None,
+            beyond: Color::ZERO,
             hit: None,
         });
     }
@@ -71,8 +75,18 @@ impl Observer for Recorder<'_> {
         }
     }
 
-    fn background(&mut self, added: Color) {
+    fn air(&mut self, air: &Air) {
         if let Some(ray) = self.rays.last_mut() {
+            ray.air = Some(ExplainedAir {
+                passed: air.passed,
+                scattered: air.scattered,
+            });
+        }
+    }
+
+    fn background(&mut self, seen: Color, added: Color) {
+        if let Some(ray) = self.rays.last_mut() {
+            ray.beyond = seen;
             ray.added = added;
         }
     }
@@ -162,7 +176,10 @@ impl Observer for Recorder<'_> {
     }
 
     fn total_reflection(&mut self, share: Color) {
-        let weight = self.rays.last().map_or(Color::ZERO, |ray| ray.weight * share);
+        let weight = self.rays.last().map_or(Color::ZERO, |ray| match ray.air {
+            None => ray.weight * share,
+            Some(air) => ray.weight * air.passed * share,
+        });
         self.add_branch(ExplainedBranch {
             kind: RayKind::Refracted,
             share,

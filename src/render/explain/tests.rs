@@ -6,7 +6,7 @@ use super::*;
 use crate::{
     Builder, NoHost, Scene,
     render::{Image, RenderOptions, render},
-    scene::{Attenuation, Term},
+    scene::{Attenuation, Environment, Falloff, Fog, Haze, Occlusion, Sky, Spot, SurfaceLight, Term},
     shape::{Cuboid, Plane, Shape, Torus},
 };
 
@@ -40,6 +40,31 @@ fn room(numbers: &[f64; 40], samples: u32, depth: u32, cells: u32) -> Scene {
     let corner = DVec3::new(-3.0 + next(), 5.0, -1.0);
     b.area_light(corner, DVec3::X * 2.0, DVec3::Z * 2.0, DVec3::splat(0.5), cells)
         .unwrap();
+    let spot = Spot::new(corner, DVec3::ZERO, (25.0, 10.0), 0.0, b.current_attenuation()).unwrap();
+    b.spot(spot, DVec3::splat(0.5)).unwrap();
+    let center = DVec3::new(2.0, 3.0, 2.0 * next());
+    let ball = SurfaceLight::sphere(center, 0.5, cells.min(4), Falloff::Physical).unwrap();
+    b.surface_light(ball, DVec3::splat(4.0)).unwrap();
+    if next() > 0.4 {
+        let sky = Sky::Gradient {
+            zenith: DVec3::new(0.1, 0.2, 0.4),
+            horizon: DVec3::splat(0.4),
+            ground: DVec3::ZERO,
+        };
+        b.environment(Some(
+            Environment::new(sky, DVec3::ONE, 0.0, cells.min(3)).unwrap(),
+        ))
+        .unwrap();
+    }
+    if next() > 0.5 {
+        b.ambient_occlusion(Some(Occlusion::new(2.0, 2).unwrap()));
+    }
+    if next() > 0.5 {
+        b.fog(Some(Fog::new(DVec3::splat(0.3), 20.0, 0.0, Some(3.0)).unwrap()));
+    }
+    if next() > 0.5 {
+        b.haze(Some(Haze::new(0.05, DVec3::new(1.0, 0.9, 0.8), 0.2, 3).unwrap()));
+    }
     for i in 0..7 {
         let kind = (3.0 * next()) as u32;
         let material = b.material_mut();
@@ -94,7 +119,7 @@ proptest! {
             prop_assert_eq!(Some(explained.value), alone.pixel(x, y));
             prop_assert_eq!(Some(explained.value), together.pixel(x, y));
             for sample in &explained.samples {
-                prop_assert_eq!(sample.sum(scene.settings.background), sample.value);
+                prop_assert_eq!(sample.sum(), sample.value);
                 let added = sample.rays.iter().fold(Color::ZERO, |sum, ray| sum + ray.added);
                 prop_assert_eq!(added, sample.value);
                 for (i, ray) in sample.rays.iter().enumerate() {

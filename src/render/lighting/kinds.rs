@@ -2,6 +2,7 @@
 
 use super::{
     Lit, Together,
+    around::stratum,
     lamp::{Lamp, in_cone},
     surface,
 };
@@ -115,12 +116,17 @@ impl Lit<'_> {
             return;
         };
         let points = light.kind.points();
-        if points == 1 && !matches!(light.kind, LightKind::Surface(_) | LightKind::Sun(_)) {
+        let has_a_size = matches!(
+            light.kind,
+            LightKind::Area { .. } | LightKind::Surface(_) | LightKind::Sun(_)
+        );
+        if !has_a_size {
             let is_behind = light
                 .kind
                 .center()
                 .is_some_and(|c| self.is_behind(c - self.at.position));
-            if !is_behind && let Some(sent) = sent(self.world, index, self.at.position, (0.0, 0.0)) {
+            if !is_behind && let Some(mut sent) = sent(self.world, index, self.at.position, (0.0, 0.0)) {
+                self.fade(&mut sent);
                 self.add(sum, sent.arriving, sent.towards, sent.distance, counts, observer);
             }
             return;
@@ -131,14 +137,23 @@ impl Lit<'_> {
         let n = points.isqrt();
         let mut together = Together::new(self);
         for cell in 0..points {
-            let random = |k: u64| path.random(index as u64, 2 * u64::from(cell) + k);
-            let u = (f64::from(cell % n) + random(0)) / f64::from(n);
-            let v = (f64::from(cell / n) + random(1)) / f64::from(n);
-            if let Some(mut sent) = sent(self.world, index, self.at.position, (u, v)) {
+            let at = stratum(n, cell, |k| path.random(index as u64, k));
+            if let Some(mut sent) = sent(self.world, index, self.at.position, at) {
+                self.fade(&mut sent);
                 sent.arriving /= f64::from(points);
                 together.add_sent(sum, &sent, counts, observer);
             }
         }
         together.finish(sum, observer);
+    }
+
+    /// What haze leaves of light. That from infinitely far away is taken for what it is where it arrives.
+    fn fade(&self, sent: &mut Sent) {
+        let haze = self.world.around.as_ref().and_then(|around| around.haze);
+        if let Some(haze) = haze
+            && sent.distance.is_finite()
+        {
+            sent.arriving *= math::exp(-haze.density() * sent.distance);
+        }
     }
 }

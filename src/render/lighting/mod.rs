@@ -6,12 +6,14 @@
 )]
 
 mod area;
+mod around;
 mod kinds;
 mod lamp;
 mod surface;
 #[cfg(test)]
 mod tests;
 
+pub(super) use around::{openness, scattered};
 pub(super) use lamp::Lamp;
 
 use super::{
@@ -73,8 +75,13 @@ pub(super) fn direct<O: Observer>(
         to_eye: to_eye / to_eye.length(),
         gloss,
     };
+    let is_hazy = world.around.as_ref().is_some_and(|around| around.haze.is_some());
     for (index, light) in world.scene.root().lights.iter().enumerate() {
         observer.light(index);
+        if is_hazy {
+            lit.add_other(&mut sum, index, path, counts, observer);
+            continue;
+        }
         match &light.kind {
             LightKind::Directional { direction } => {
                 let color = light.color;
@@ -126,6 +133,9 @@ pub(super) fn direct<O: Observer>(
             }
             _ => lit.add_other(&mut sum, index, path, counts, observer),
         }
+    }
+    if let Some(surround) = world.around.as_ref().and_then(|around| around.surround.as_ref()) {
+        lit.add_environment(&mut sum, surround, path, counts, observer);
     }
     sum
 }

@@ -101,7 +101,7 @@ impl Observer for Meter<'_> {
         self.under_way = Some(*ray);
     }
 
-    fn background(&mut self, _: Color) {
+    fn background(&mut self, _: Color, _: Color) {
         self.arrive(f64::INFINITY);
     }
 

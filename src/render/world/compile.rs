@@ -5,7 +5,7 @@ use std::{borrow::Cow, collections::HashMap};
 use rayon::prelude::*;
 
 use super::{
-    super::{interrupt::Interrupt, lighting::Lamp},
+    super::{around::Around, interrupt::Interrupt, lighting::Lamp},
     World,
     csg::Solid,
     kept::{KeptTrees, Key},
@@ -88,6 +88,7 @@ impl<'s> World<'s> {
             packets: true,
             interrupt: None,
             lamps: Lamp::of_all(scene),
+            around: Around::new(scene),
             uv_everywhere: false,
         };
         match (compiled, trees) {

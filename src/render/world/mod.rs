@@ -36,7 +36,7 @@ pub(crate) use query::{Blocker, Hit, Probe};
 pub(crate) use shaft::FewObstacles;
 pub(crate) use surface::SurfacePoint;
 
-use super::{interrupt::Interrupt, lighting::Lamp, solids};
+use super::{around::Around, interrupt::Interrupt, lighting::Lamp, solids};
 use crate::{
     math::{Bounds3, DVec3, Ray},
     scene::Scene,
@@ -71,6 +71,8 @@ pub struct World<'s> {
     pub(super) interrupt: Option<&'s Interrupt<'s>>,
     /// What the lights of the root need besides what the scene says, by their number; empty where none needs anything.
     pub(super) lamps: Vec<Lamp>,
+    /// Environment, ambient occlusion, fog and haze, where there is any of them.
+    pub(super) around: Option<Box<Around<'s>>>,
     /// Texture coordinates are wanted of every surface, also where no texture asks for them.
     pub(crate) uv_everywhere: bool,
 }

@@ -4,7 +4,10 @@ use super::{Builder, SceneError, finite};
 use crate::{
     color::Color,
     math::DAffine3,
-    scene::{Attenuation, Camera, Edition, Encoding, Material, Settings},
+    scene::{
+        Attenuation, Camera, Edition, Encoding, Environment, Fog, Haze, Material, Occlusion, Settings, Sky,
+        Texture,
+    },
 };
 
 impl Builder {
@@ -129,6 +132,53 @@ impl Builder {
     /// How linear light becomes 8 bits.
     pub fn encoding(&mut self, encoding: Encoding) {
         self.scene.settings.encoding = encoding;
+    }
+
+    /// What rays that leave the scene see, in place of the background, and what lights the scene from all around; the
+    /// last call counts, and `None` takes it away.
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3, scene::{Environment, Sky}};
+    /// let mut b = Builder::new();
+    /// let sky = Sky::Gradient {
+    ///     zenith: DVec3::new(0.2, 0.4, 0.9),
+    ///     horizon: DVec3::ONE,
+    ///     ground: DVec3::splat(0.2),
+    /// };
+    /// b.environment(Some(Environment::new(sky, DVec3::ONE, 0.0, Environment::POINTS)?))?;
+    /// # Ok::<(), rtscript::SceneError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where its texture is not one of this scene, or no picture.
+    pub fn environment(&mut self, environment: Option<Environment>) -> Result<(), SceneError> {
+        if let Some(Sky::Image(id)) = environment.map(|e| *e.sky())
+            && !matches!(
+                self.texture_at(id).map(|texture| &**texture),
+                Some(Texture::Image(_))
+            )
+        {
+            return Err(SceneError::new(
+                "an environment's texture must be a picture of this scene",
+            ));
+        }
+        self.scene.settings.surroundings.environment = environment;
+        Ok(())
+    }
+
+    /// Darkens the ambient term in corners; `None` leaves it alone, as at the start.
+    pub fn ambient_occlusion(&mut self, occlusion: Option<Occlusion>) {
+        self.scene.settings.surroundings.occlusion = occlusion;
+    }
+
+    /// A color that all things fade to; `None` for clear air, as at the start.
+    pub fn fog(&mut self, fog: Option<Fog>) {
+        self.scene.settings.surroundings.fog = fog;
+    }
+
+    /// Air that light is seen in; `None` for clear air, as at the start.
+    pub fn haze(&mut self, haze: Option<Haze>) {
+        self.scene.settings.surroundings.haze = haze;
     }
 
     /// Seeds every random choice of the renderer.

@@ -258,6 +258,11 @@ pub fn settings(before: &Scene, after: &Scene) -> Vec<(&'static str, String, Str
             Encoding::Srgb => "srgb",
             Encoding::Raw => "raw",
         };
+        let surroundings = s.surroundings.texts();
+        let thing = |i: usize| {
+            let text = surroundings.get(i).cloned().flatten();
+            text.unwrap_or_else(|| "none".to_owned())
+        };
         [
             ("edition", s.edition().to_string()),
             ("size", format!("{} x {}", s.width, s.height)),
@@ -266,6 +271,10 @@ pub fn settings(before: &Scene, after: &Scene) -> Vec<(&'static str, String, Str
             ("seed", s.seed.cast_signed().to_string()),
             ("background", Vector(s.background).to_string()),
             ("encoding", encoding.to_owned()),
+            ("environment", thing(0)),
+            ("ambient occlusion", thing(1)),
+            ("fog", thing(2)),
+            ("haze", thing(3)),
             ("camera from", Vector(c.eye).to_string()),
             ("camera at", Vector(c.at).to_string()),
             ("camera up", Vector(c.up).to_string()),

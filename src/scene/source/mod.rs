@@ -69,6 +69,7 @@ pub(crate) fn write(scene: &Scene, files: &AssetFiles, places: bool, out: &mut d
     };
     writer.settings()?;
     writer.textures()?;
+    writer.surroundings()?;
     writer.out.write_char('\n')?;
     let bound = scene.groups.len();
     writer.group(scene.root(), bound)?;
@@ -188,6 +189,18 @@ impl Writer<'_> {
                     Text(&texture.identity())
                 ))?,
             }
+        }
+        Ok(())
+    }
+
+    /// Environment, ambient occlusion, fog and haze.
+    fn surroundings(&mut self) -> fmt::Result {
+        let surroundings = &self.scene.settings.surroundings;
+        if let Some(id) = surroundings.texture() {
+            self.register_textures(id.index() + 1)?;
+        }
+        for call in surroundings.texts().into_iter().flatten() {
+            self.call(format_args!("{call};"))?;
         }
         Ok(())
     }

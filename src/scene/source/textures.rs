@@ -38,6 +38,10 @@ pub(super) fn is_named(scene: &Scene) -> Vec<bool> {
             *used = true;
         }
     }
+    let of_environment = scene.settings.surroundings.texture();
+    if let Some(used) = of_environment.and_then(|id| by_objects.get_mut(id.index())) {
+        *used = true;
+    }
     let by_faces = used(&mut faces.copied());
     let both = by_objects.into_iter().zip(by_faces);
     both.map(|(by_object, by_face)| by_object || !by_face).collect()

@@ -46,7 +46,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .also(&["obj", "ply", "stl", "model", "loadObj", "import", "triangleMesh"]),
     Entry::scene(Group::Assets, "image", image)
         .takes(&[
-            &[string("file", "a PNG or JPEG file, relative to the script that names it")],
+            &[string("file", "a PNG, JPEG or Radiance (.hdr) file, relative to the script that names it")],
             &[map("data", "width, height and pixels: colors row by row from the top")],
             &[
                 Param::new("image", Kind::Image, "none", "a file as above, or an image"),
@@ -83,6 +83,14 @@ pub(super) fn with_assets<T>(
     })
 }
 
+/// The picture in a file, as `image(file)` reads it.
+pub(super) fn picture(call: &Call<'_, '_>, state: &mut State, file: &str) -> Outcome<ImageValue> {
+    let texture = with_assets(state, file, |path, assets, _| {
+        assets.texture(path).map_err(Box::new)
+    })?;
+    ImageValue::of(&texture).ok_or_else(|| call.error("file is no picture"))
+}
+
 fn image(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     if call.len() == 2 {
         return image_laid(call, state);
@@ -99,13 +107,7 @@ fn image(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     }
     let file = call.string("file")?;
     call.end()?;
-    let texture = with_assets(state, &file, |path, assets, _| {
-        assets.texture(path).map_err(Box::new)
-    })?;
-    match ImageValue::of(&texture) {
-        Some(image) => Ok(Dynamic::from(image)),
-        None => Err(call.error("file is no picture")),
-    }
+    Ok(Dynamic::from(picture(call, state, &file)?))
 }
 
 /// `image("wood.png", #{ mapping: "box" })`, or of a picture that was read before.
@@ -114,9 +116,7 @@ fn image_laid(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     let texture = if let Some(image) = given.read_lock::<ImageValue>() {
         Arc::clone(image.texture())
     } else if let Ok(file) = given.clone().into_immutable_string() {
-        with_assets(state, &file, |path, assets, _| {
-            assets.texture(path).map_err(Box::new)
-        })?
+        Arc::clone(picture(call, state, &file)?.texture())
     } else {
         return Err(call.wrong_kind("image", "the name of a file or an image", given));
     };

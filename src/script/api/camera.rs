@@ -40,7 +40,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .doc("The color behind everything. Default: black.")
         .usage("background(0.5, 0.7, 1)")
         .example("background(\"#87ceeb\");\ndirectional([2, 4, 3], [0.8, 0.8, 0.8]);\ndiffuse(0.9, 0.9, 0.9);\nsphere(0, 0, 0, 1.3);")
-        .also(&["sky", "backgroundColor", "clearColor"]),
+        .also(&["backgroundColor", "clearColor"]),
     Entry::scene(Group::Camera, "encoding", encoding)
         .takes(&[&[string("name", "\"srgb\": the sRGB curve, rounded; \"raw\": clamped, times 255, truncated, as the CSE167 course wants it")]])
         .doc("How linear light becomes 8 bits. Default: \"srgb\".")

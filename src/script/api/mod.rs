@@ -6,6 +6,7 @@ mod camera;
 mod colors;
 mod csg;
 mod edition;
+mod environment;
 mod finishes;
 mod functions;
 mod heights;
@@ -38,7 +39,7 @@ use rhai::Module;
 use super::table::{Entry, Kind, Param};
 
 /// Every list, in the order of the reference.
-pub(super) const ALL: [&[Entry]; 25] = [
+pub(super) const ALL: [&[Entry]; 26] = [
     edition::ENTRIES,
     camera::ENTRIES,
     transform::ENTRIES,
@@ -56,6 +57,7 @@ pub(super) const ALL: [&[Entry]; 25] = [
     lights::ENTRIES,
     queries::ENTRIES,
     lamps::ENTRIES,
+    environment::ENTRIES,
     output::ENTRIES,
     params::ENTRIES,
     vector::ENTRIES,

@@ -1,5 +1,7 @@
 //! Lights against what can be worked out with pen and paper.
 
+mod around;
+
 use std::sync::Arc;
 
 use crate::{
