@@ -126,7 +126,8 @@ pub(super) struct Polished<'s> {
     frame: [DVec3; 3],
     geometric_normal: DVec3,
     to_eye: DVec3,
-    from_front: bool,
+    /// Whether it is seen from outside, as what is opaque always is.
+    from_outside: bool,
     diffuse: Color,
     specular: Color,
     exponent: Exponent,
@@ -174,6 +175,7 @@ impl<'s> Polished<'s> {
             ior = spectrum::index_at(ior, spectrum::cauchy_b(ior, abbe), nm).max(1e-3);
             wavelength = (!inside.is_colored()).then_some(color);
         }
+        let from_outside = at.from_front || transmission == Color::ZERO;
         let behind = if at.from_front {
             let absorbs = finish.absorption.is_some();
             inside.entered(absorbs.then(|| world.material_id(hit.number)).flatten())
@@ -187,7 +189,7 @@ impl<'s> Polished<'s> {
             frame: [t, b, n],
             geometric_normal: at.geometric_normal,
             to_eye: -ray.dir,
-            from_front: at.from_front,
+            from_outside,
             diffuse: term(&material.diffuse),
             specular,
             exponent: Exponent::new(material.shininess),
@@ -197,7 +199,7 @@ impl<'s> Polished<'s> {
                 .roughness
                 .as_ref()
                 .and_then(|roughness| Ggx::new(finish_mean(term(roughness)))),
-            eta: if at.from_front { ior } else { 1.0 / ior },
+            eta: if from_outside { ior } else { 1.0 / ior },
             wavelength,
             inside,
             behind,
@@ -238,7 +240,7 @@ impl<'s> Polished<'s> {
 
     /// The share that the varnish mirrors.
     fn coat(&self, cosine: f64) -> f64 {
-        let coat = self.finish.clear_coat.filter(|_| self.from_front);
+        let coat = self.finish.clear_coat.filter(|_| self.from_outside);
         coat.map_or(0.0, |coat| coat.strength * fresnel_dielectric(cosine, COAT))
     }
 
@@ -264,7 +266,7 @@ impl<'s> Polished<'s> {
             }
             None => {}
         }
-        if let Some(coat) = self.finish.clear_coat.filter(|_| self.from_front) {
+        if let Some(coat) = self.finish.clear_coat.filter(|_| self.from_outside) {
             sum *= 1.0 - self.coat(eye.z);
             if let Some(rough) = Ggx::new(coat.roughness) {
                 sum += Color::splat(self.coat(cosine) * rough.highlight(eye, light));
@@ -354,7 +356,7 @@ impl<'s> Polished<'s> {
             }
         }
         let (mut dir, mut share) = (dir, kr);
-        if let Some(coat) = self.finish.clear_coat.filter(|_| self.from_front) {
+        if let Some(coat) = self.finish.clear_coat.filter(|_| self.from_outside) {
             let rough = Ggx::new(coat.roughness);
             let h = rough.map_or(DVec3::Z, |rough| rough.visible(eye, pair(COATED)));
             let (coat_dir, left) = self.mirrored(eye, h, rough.as_ref());

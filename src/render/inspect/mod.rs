@@ -73,7 +73,11 @@ pub(super) fn after(world: &World<'_>, image: &Image, before: &[Diagnostic]) -> 
 pub fn unanswered(scene: &Scene) -> Option<Diagnostic> {
     let is_lit = scene.root().lights.iter().any(|light| light.color != Color::ZERO);
     let answers = |m: &Material| {
-        !m.diffuse.is_black() || !m.specular.is_black() || m.reflection.is_some() || !m.is_opaque()
+        !m.diffuse.is_black()
+            || !m.specular.is_black()
+            || m.reflection.is_some()
+            || !m.is_opaque()
+            || m.finish.is_some()
     };
     if !is_lit || scene.root().objects.is_empty() || scene.materials.iter().any(answers) {
         return None;

@@ -43,7 +43,7 @@ macro_rules! studio {
 pub(super) const ENTRIES: &[Entry] = &[
     Entry::scene(Group::Materials, "fresnel", fresnel)
         .takes(&[&[Param::new("on", Kind::Any, "none", "true or false")]])
-        .doc("Mirror and transparency share the light by Fresnel's equations for ior(n): water and glass mirror little straight on and all at grazing angles. Kr and Kt then say how much of each share is kept; where neither Kr nor Ks is given, Kr is white. What is not mirrored goes on to Kd and Kt. Default: false.")
+        .doc("Mirror and transparency share the light by Fresnel's equations for ior(n): water and glass mirror little straight on and all at grazing angles. Kr and Kt then say how much of each share is kept; where neither Kr nor Ks is given, Kr is white. What is not mirrored goes on to Kd and Kt, and highlights are as strong as the mirror. Default: false.")
         .usage("fresnel(true)")
         .example(studio!("ambient(0, 0, 0);\nfresnel(true);\ngroup { transmission(1, 1, 1); sphere(-1.1, 0.1, 0, 1); }\ndiffuse(0.6, 0.05, 0.05);   // a billiard ball\nsphere(1.1, 0.1, 0, 1);"))
         .also(&["dielectric", "schlick"]),
