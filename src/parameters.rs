@@ -5,11 +5,11 @@ use std::{collections::BTreeMap, fmt, str::FromStr};
 use crate::diag::SourceLoc;
 
 /// Names that every scene has and that no script can declare.
-pub const RESERVED: [&str; 3] = ["size", "samples", "seed"];
+pub const RESERVED: [&str; 4] = ["size", "samples", "seed", "region"];
 
 /// What is decided outside a script. Where it is `None`, the script decides.
 ///
-/// As text `size=320x200 samples=4 seed=7 radius=0.5`, in this order, without what is `None`; `none` where all is.
+/// As text `size=320x200 samples=4 seed=7 region=10,20,64x48 radius=0.5`, in this order, without what is `None`; `none` where all is.
 /// Values with blanks or quotes stand in quotes, as Rust would write them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
@@ -20,12 +20,14 @@ pub struct Parameters {
     pub samples: Option<u32>,
     /// Seed.
     pub seed: Option<u64>,
+    /// The part of the picture that is rendered: first column, first row, columns, rows.
+    pub region: Option<[u32; 4]>,
     /// Values of the parameters that the script declares by `param(name, default)`, as text.
     pub values: BTreeMap<String, String>,
 }
 
 impl Parameters {
-    /// Decides one by its name: `size`, `samples`, `seed`, or a parameter of the script.
+    /// Decides one by its name: `size`, `samples`, `seed`, `region`, or a parameter of the script.
     ///
     /// # Errors
     /// What is wrong with the name, or with the value of one that every scene has.
@@ -37,6 +39,7 @@ impl Parameters {
                 self.samples = Some(samples.ok_or("expected a whole number above 0")?);
             }
             "seed" => self.seed = Some(value.parse().map_err(|_| "expected a whole number from 0 on")?),
+            "region" => self.region = Some(parse_region(value)?),
             name if is_name(name) => {
                 self.values.insert(name.to_owned(), value.to_owned());
             }
@@ -51,6 +54,7 @@ impl Parameters {
         self.size = self.size.or(other.size);
         self.samples = self.samples.or(other.samples);
         self.seed = self.seed.or(other.seed);
+        self.region = self.region.or(other.region);
         for (name, value) in &other.values {
             self.values.entry(name.clone()).or_insert_with(|| value.clone());
         }
@@ -71,6 +75,9 @@ impl fmt::Display for Parameters {
         let size = self.size.map(|(width, height)| format!("size={width}x{height}"));
         let samples = self.samples.map(|n| format!("samples={n}"));
         let seed = self.seed.map(|n| format!("seed={n}"));
+        let region = self
+            .region
+            .map(|[x, y, width, height]| format!("region={x},{y},{width}x{height}"));
         let breaks = |c: char| c.is_whitespace() || c.is_control() || c == '"';
         let values = self.values.iter().map(|(name, value)| {
             if value.is_empty() || value.contains(breaks) {
@@ -79,7 +86,7 @@ impl fmt::Display for Parameters {
                 format!("{name}={value}")
             }
         });
-        let all: Vec<String> = [size, samples, seed]
+        let all: Vec<String> = [size, samples, seed, region]
             .into_iter()
             .flatten()
             .chain(values)
@@ -161,6 +168,18 @@ pub(crate) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     text.split_once(['x', 'X'])
         .and_then(|(width, height)| Some((edge(width)?, edge(height)?)))
         .ok_or_else(|| "expected two whole numbers above 0 with an x between, such as 640x480".to_owned())
+}
+
+/// `10,20,64x48`: first column, first row, columns, rows.
+pub(crate) fn parse_region(text: &str) -> Result<[u32; 4], String> {
+    let parsed = || {
+        let mut parts = text.splitn(3, ',');
+        let (x, y) = (parts.next()?.parse().ok()?, parts.next()?.parse().ok()?);
+        let (width, height) = parse_size(parts.next()?).ok()?;
+        Some([x, y, width, height])
+    };
+    parsed()
+        .ok_or_else(|| "expected the first column, the first row and a size, such as 10,20,64x48".to_owned())
 }
 
 /// What a parameter takes.

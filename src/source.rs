@@ -5,7 +5,7 @@ use crate::{
     host::Host,
     import,
     limits::Limits,
-    scene::{AssetFiles, Builder},
+    scene::{AssetFiles, Builder, Crop},
     script::{Run, RunOptions, Script},
 };
 
@@ -105,6 +105,10 @@ fn load_course(name: &str, text: &str, limits: &Limits, options: &RunOptions) ->
         }
         if let Some(seed) = options.seed {
             builder.seed(seed);
+        }
+        if let Some(region) = options.region {
+            let crop = Crop::Pixels(region);
+            builder.crop(Some(crop)).map_err(Diagnostic::from)?;
         }
         Ok(())
     };

@@ -117,7 +117,9 @@ impl Rules {
         let frame = self.camera.frame(SIZE.0, SIZE.1);
         (0..SIZE.0 * SIZE.1)
             .flat_map(|i| {
-                let ray = frame.ray(f64::from(i % SIZE.0) + 0.5, f64::from(i / SIZE.0) + 0.5);
+                let ray = frame
+                    .ray(f64::from(i % SIZE.0) + 0.5, f64::from(i / SIZE.0) + 0.5)
+                    .unwrap();
                 self.color(ray.origin, ray.dir, 5)
                     .to_array()
                     .map(|v| (v.clamp(0.0, 1.0) * 255.0) as u8)

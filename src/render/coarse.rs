@@ -38,13 +38,16 @@ pub(super) fn show(
 
 /// Those of the coarse pictures that are worth it.
 fn settings(whole: &Settings) -> impl Iterator<Item = Settings> {
-    let worth = |step: &u32| {
-        whole.width.min(whole.height) / step >= LEAST && (*step == STEPS[0] || whole.samples >= SAMPLES)
+    let region = whole.region();
+    let worth = move |step: &u32| {
+        region.width.min(region.height) / step >= LEAST && (*step == STEPS[0] || whole.samples >= SAMPLES)
     };
     STEPS.into_iter().filter(worth).map(|step| Settings {
         width: whole.width.div_ceil(step),
         height: whole.height.div_ceil(step),
         samples: 1,
+        adaptive: None,
+        crop: whole.crop.map(|crop| crop.coarser(step)),
         ..whole.clone()
     })
 }

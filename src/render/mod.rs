@@ -1,5 +1,6 @@
 //! From a [`Scene`] to an [`Image`].
 
+mod adaptive;
 mod around;
 mod coarse;
 mod compiled;
@@ -7,6 +8,7 @@ pub(crate) mod daylight;
 mod environment;
 pub mod explain;
 mod film;
+mod filter;
 mod inspect;
 mod integrator;
 mod interrupt;
@@ -15,9 +17,11 @@ mod microfacet;
 mod observe;
 pub(crate) mod polish;
 mod sampler;
+mod shots;
 pub mod show;
 mod solids;
 mod spectrum;
+mod square;
 mod tiles;
 mod world;
 

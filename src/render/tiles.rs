@@ -2,12 +2,12 @@
 
 #![allow(
     clippy::indexing_slicing,
-    reason = "a buffer has room for the packet it is made for, and tiles are cut from the size of the picture"
+    reason = "tiles are cut from the size of the picture"
 )]
 
 use std::{
     sync::{
-        Mutex,
+        Mutex, PoisonError,
         atomic::{AtomicUsize, Ordering},
     },
     thread,
@@ -17,17 +17,19 @@ use rayon::prelude::*;
 
 use super::{
     Progress, RenderOptions, Tile,
+    adaptive::{First, Pixels, neighbors},
     film::Image,
-    integrator::{self, Counts, Stack},
+    integrator::{Counts, Stack},
     interrupt::Interrupt,
-    sampler::{Sampler, mix, stratified},
-    world::{PACKET, Probe, World},
+    sampler::mix,
+    shots::Shots,
+    square::Square,
+    world::{PACKET, World},
 };
 use crate::{
-    color::Color,
     diag::{Diagnostic, Error, ErrorKind},
     host::Host,
-    scene::{CameraFrame, Settings},
+    scene::Settings,
 };
 
 /// Edge of a tile in pixels unless the options say otherwise: small enough that no thread idles at the end.
@@ -47,19 +49,206 @@ pub(super) fn trace(
     host: &dyn Host,
     interrupt: &Interrupt<'_>,
 ) -> Result<(Image, Counts), Error> {
-    let total = u64::from(s.width) * u64::from(s.height);
-    let frame = world.scene.camera.frame(s.width, s.height);
-    let progress = Mutex::new(Progress {
-        done: 0,
-        total,
-        rays: 0,
-    });
-    let finished = Mutex::new((vec![[0.0; 3]; total as usize], Counts::default()));
+    let region = s.region();
+    let size = (region.width, region.height);
+    let shots = Shots::new(&world.scene.camera, s);
+    let (pixels, counts) = match s.adaptive {
+        Some(adaptive) => {
+            let pixels = Pixels {
+                world,
+                shots: &shots,
+                adaptive,
+                interrupt,
+            };
+            trace_adaptive(&pixels, size, options, host)?
+        }
+        None => {
+            let told = Told::new(host, region.pixels(), (0, 1));
+            let work = |area: &Area, pixels: &mut [[f64; 3]], stack: &mut Stack, own: &mut Counts| {
+                for square in squares((area.columns, area.rows), shots.count()) {
+                    if interrupt.poll() {
+                        return false;
+                    }
+                    let counted = own.total();
+                    Square {
+                        world,
+                        shots: &shots,
+                        interrupt,
+                        at: (area.x + square.left, area.y + square.top),
+                        size: (square.columns, square.rows),
+                    }
+                    .trace(stack, own, |i, mean| {
+                        let (x, y) = (square.left + i % square.columns, square.top + i / square.columns);
+                        pixels[(y * area.columns + x) as usize] = mean.to_array();
+                    });
+                    if options.rays.is_some() {
+                        interrupt.count(own.total() - counted);
+                    }
+                }
+                true
+            };
+            over_tiles(size, options, interrupt, work, |area, pixels, rays| {
+                told.tile(area, pixels, rays);
+            })?
+        }
+    };
+    Ok((Image::new(size.0, size.1, s.encoding, pixels), counts))
+}
+
+/// The first samples of all pixels, then those of the pixels that their neighbors ask for.
+fn trace_adaptive(
+    pixels: &Pixels<'_>,
+    size: (u32, u32),
+    options: &RenderOptions,
+    host: &dyn Host,
+) -> Result<(Vec<[f64; 3]>, Counts), Error> {
+    let total = u64::from(size.0) * u64::from(size.1);
+    let interrupt = pixels.interrupt;
+    // Most of the work is in the first round, as far as anybody can know.
+    let told = Told::new(host, total, (0, 9));
+    let counted = |own: &Counts, before: u64| {
+        if options.rays.is_some() {
+            interrupt.count(own.total() - before);
+        }
+        !interrupt.poll()
+    };
+    let first = |area: &Area, found: &mut [First], stack: &mut Stack, own: &mut Counts| {
+        found.iter_mut().zip(0..).all(|(found, i)| {
+            let before = own.total();
+            *found = pixels.first(area.place(i), stack, own);
+            counted(own, before)
+        })
+    };
+    let (grid, mut counts) = over_tiles(size, options, interrupt, first, |area, _, rays| {
+        told.progress(area, rays);
+    })?;
+    let told = told.after((9, 10));
+    let second = |area: &Area, values: &mut [[f64; 3]], stack: &mut Stack, own: &mut Counts| {
+        values.iter_mut().zip(0..).all(|(value, i)| {
+            let (place, before) = (area.place(i), own.total());
+            let known = |(x, y): (u32, u32)| {
+                let is_inside = x < size.0 && y < size.1;
+                is_inside.then(|| grid[y as usize * size.0 as usize + x as usize])
+            };
+            let mut found = known(place).unwrap_or_default();
+            if !found.is_done() {
+                let around: Vec<First> = neighbors(place, &pixels.whole())
+                    .map(|other| known(other).unwrap_or_else(|| pixels.glance(other, stack, own)))
+                    .collect();
+                found = pixels.second(place, found, &around, stack, own);
+            }
+            *value = found.value.to_array();
+            counted(own, before)
+        })
+    };
+    let (values, more) = over_tiles(size, options, interrupt, second, |area, values, rays| {
+        told.tile(area, values, rays);
+    })?;
+    counts.add(&more);
+    Ok((values, counts))
+}
+
+/// What the host is told while a picture is traced.
+struct Told<'h> {
+    host: &'h dyn Host,
+    progress: Mutex<(u64, Progress)>,
+    /// The part of the whole work that this is: from so many parts on to so many, of the latter or of ten.
+    part: (u64, u64),
+}
+
+impl<'h> Told<'h> {
+    fn new(host: &'h dyn Host, total: u64, part: (u64, u64)) -> Self {
+        let progress = Progress {
+            done: 0,
+            total,
+            rays: 0,
+        };
+        Self {
+            host,
+            progress: Mutex::new((0, progress)),
+            part,
+        }
+    }
+
+    /// The same with the next part.
+    fn after(self, part: (u64, u64)) -> Self {
+        let progress = self
+            .progress
+            .into_inner()
+            .unwrap_or_else(PoisonError::into_inner)
+            .1;
+        Self {
+            host: self.host,
+            progress: Mutex::new((0, progress)),
+            part,
+        }
+    }
+
+    /// A tile is finished. Told under the lock, so that the host hears of more each time, and last of all pixels.
+    fn tile(&self, area: &Area, pixels: &[[f64; 3]], rays: u64) {
+        if let Ok(mut progress) = self.progress.lock() {
+            self.host.tile(&Tile {
+                x: area.x,
+                y: area.y,
+                width: area.columns,
+                height: area.rows,
+                pixels,
+            });
+            self.advance(&mut progress, area, rays);
+        }
+    }
+
+    /// A tile is done with, not finished.
+    fn progress(&self, area: &Area, rays: u64) {
+        if let Ok(mut progress) = self.progress.lock() {
+            self.advance(&mut progress, area, rays);
+        }
+    }
+
+    fn advance(&self, (pixels, progress): &mut (u64, Progress), area: &Area, rays: u64) {
+        let ((from, to), total) = (self.part, progress.total);
+        *pixels += u64::from(area.columns * area.rows);
+        let of = if to == 1 { 1 } else { 10 };
+        progress.done = total * from / of + *pixels * (to - from) / of;
+        if *pixels == total && to == of {
+            progress.done = total;
+        }
+        progress.rays += rays;
+        self.host.progress(progress);
+    }
+}
+
+/// A tile.
+struct Area {
+    x: u32,
+    y: u32,
+    columns: u32,
+    rows: u32,
+}
+
+impl Area {
+    /// Where a pixel of it lies, counted row by row.
+    fn place(&self, i: u32) -> (u32, u32) {
+        (self.x + i % self.columns, self.y + i / self.columns)
+    }
+}
+
+/// Has all tiles worked on, on all threads. `work` fills in the pixels of a tile and says whether it was not stopped;
+/// `told` hears of each that is done, with the rays that it took.
+fn over_tiles<T: Copy + Default + Send>(
+    (width, height): (u32, u32),
+    options: &RenderOptions,
+    interrupt: &Interrupt<'_>,
+    work: impl Fn(&Area, &mut [T], &mut Stack, &mut Counts) -> bool + Sync,
+    told: impl Fn(&Area, &[T], u64) + Sync,
+) -> Result<(Vec<T>, Counts), Error> {
+    let total = width as usize * height as usize;
+    let finished = Mutex::new((vec![T::default(); total], Counts::default()));
     let edge = match options.tile {
         0 => TILE,
         edge => edge.min(MOST_TILE),
     };
-    let mut tiles = from_the_middle(s.width.div_ceil(edge), s.height.div_ceil(edge));
+    let mut tiles = from_the_middle(width.div_ceil(edge), height.div_ceil(edge));
     if let Some(seed) = options.shuffle {
         shuffle(&mut tiles, seed);
     }
@@ -68,58 +257,33 @@ pub(super) fn trace(
     // Each thread takes the next tile when it is done with one, so at the end none waits for more than a tile.
     (0..rayon::current_num_threads()).into_par_iter().for_each(|_| {
         let (mut own, mut stack) = (Counts::default(), Stack::default());
-        let mut tile = vec![[0.0; 3]; (edge.min(s.width) * edge.min(s.height)) as usize];
-        'tiles: while let Some(&(column, row)) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let (x0, y0) = (column * edge, row * edge);
-            let (columns, rows) = (edge.min(s.width - x0), edge.min(s.height - y0));
+        let mut tile = vec![T::default(); (edge.min(width) * edge.min(height)) as usize];
+        while let Some(&(column, row)) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let (x, y) = (column * edge, row * edge);
+            let area = Area {
+                x,
+                y,
+                columns: edge.min(width - x),
+                rows: edge.min(height - y),
+            };
             if let Some(seed) = options.shuffle {
                 give_way(seed, (column, row));
             }
             let before = own.total();
-            for square in squares((columns, rows), s.samples) {
-                if interrupt.poll() {
-                    break 'tiles;
-                }
-                let counted = own.total();
-                Square {
-                    world,
-                    settings: s,
-                    frame: &frame,
-                    interrupt,
-                    at: (x0 + square.left, y0 + square.top),
-                    size: (square.columns, square.rows),
-                }
-                .trace(&mut stack, &mut own, |i, mean| {
-                    let (x, y) = (square.left + i % square.columns, square.top + i / square.columns);
-                    tile[(y * columns + x) as usize] = mean.to_array();
-                });
-                if options.rays.is_some() {
-                    interrupt.count(own.total() - counted);
-                }
+            let pixels = &mut tile[..(area.columns * area.rows) as usize];
+            if !work(&area, pixels, &mut stack, &mut own) {
+                break;
             }
             if let Some(seed) = options.shuffle {
                 give_way(!seed, (column, row));
             }
             if let Ok(mut finished) = finished.lock() {
-                let lines = tile.chunks(columns as usize).take(rows as usize);
-                for (line, y) in lines.zip(y0 as usize..) {
-                    let start = y * s.width as usize + x0 as usize;
+                for (line, y) in pixels.chunks(area.columns as usize).zip(y as usize..) {
+                    let start = y * width as usize + x as usize;
                     finished.0[start..start + line.len()].copy_from_slice(line);
                 }
             }
-            // Told under the lock, so that the host hears of more each time, and last of all pixels.
-            if let Ok(mut progress) = progress.lock() {
-                progress.done += u64::from(rows * columns);
-                progress.rays += own.total() - before;
-                host.tile(&Tile {
-                    x: x0,
-                    y: y0,
-                    width: columns,
-                    height: rows,
-                    pixels: tile.get(..(rows * columns) as usize).unwrap_or_default(),
-                });
-                host.progress(&progress);
-            }
+            told(&area, pixels, own.total() - before);
         }
         if let Ok(mut finished) = finished.lock() {
             finished.1.add(&own);
@@ -128,10 +292,9 @@ pub(super) fn trace(
     if interrupt.is_stopped() {
         return Err(interrupt.reason().into());
     }
-    let (pixels, counts) = finished
+    finished
         .into_inner()
-        .map_err(|_| Diagnostic::error(ErrorKind::Internal, "a thread of the render failed"))?;
-    Ok((Image::new(s.width, s.height, s.encoding, pixels), counts))
+        .map_err(|_| Diagnostic::error(ErrorKind::Internal, "a thread of the render failed").into())
 }
 
 /// Columns and rows of all tiles in rings around the middle, where a picture has its subject; along a ring from
@@ -175,9 +338,6 @@ fn draw(seed: u64, a: u32, b: u32) -> u64 {
     mix(mix(seed ^ u64::from(a)) ^ u64::from(b))
 }
 
-/// Samples of one pixel between two looks at the interrupt.
-const SAMPLES_PER_POLL: u32 = 16;
-
 /// Part of a tile.
 struct Part {
     left: u32,
@@ -202,69 +362,6 @@ fn squares((columns, rows): (u32, u32), samples: u32) -> impl Iterator<Item = Pa
             rows: edge.min(rows - top),
         })
     })
-}
-
-/// Pixels whose camera rays are traced together.
-struct Square<'a> {
-    world: &'a World<'a>,
-    settings: &'a Settings,
-    frame: &'a CameraFrame,
-    interrupt: &'a Interrupt<'a>,
-    /// The pixel in its upper left corner.
-    at: (u32, u32),
-    /// Columns and rows.
-    size: (u32, u32),
-}
-
-impl Square<'_> {
-    /// Calls `visit` with each pixel's place, counted row by row, and the mean of its samples, summed in order.
-    fn trace(&self, stack: &mut Stack, counts: &mut Counts, mut visit: impl FnMut(u32, Color)) {
-        let samples = self.settings.samples;
-        let pixels = self.size.0 * self.size.1;
-        let mut sums = [Color::ZERO; PACKET];
-        let at_once = (PACKET as u32 / pixels.max(1)).max(1);
-        for first in (0..samples).step_by(at_once as usize) {
-            let indices = first..samples.min(first + at_once);
-            let count = (indices.end - indices.start) as usize;
-            let shot = |i: usize| self.shot((i / count) as u32, first + (i % count) as u32);
-            let (probe, sampler) = shot(0);
-            let (mut probes, mut samplers) = ([probe; PACKET], [sampler; PACKET]);
-            let len = PACKET.min(pixels as usize * count);
-            for i in 1..len {
-                (probes[i], samplers[i]) = shot(i);
-            }
-            let mut hits = [None; PACKET];
-            let hits = &mut hits[..len];
-            self.world.nearest_many(&probes[..len], f64::INFINITY, hits);
-            for (((probe, sampler), hit), i) in probes.iter().zip(&samplers).zip(hits).zip(0..) {
-                let index = first + (i % count) as u32;
-                if index % SAMPLES_PER_POLL == SAMPLES_PER_POLL - 1 && self.interrupt.poll() {
-                    return;
-                }
-                let seen = (*probe, *hit);
-                let light =
-                    integrator::radiance(self.world, seen, *sampler, self.interrupt, stack, counts, &mut ());
-                sums[i / count] += light;
-            }
-        }
-        for (sum, i) in sums.into_iter().zip(0..pixels) {
-            visit(i, sum / f64::from(samples));
-        }
-    }
-
-    /// The camera ray of a pixel's sample.
-    fn shot(&self, pixel: u32, index: u32) -> (Probe, Sampler) {
-        let place = (self.at.0 + pixel % self.size.0, self.at.1 + pixel / self.size.0);
-        shot(self.settings, self.frame, place, index)
-    }
-}
-
-/// The camera ray of a sample of the pixel in this column and row.
-pub(super) fn shot(s: &Settings, frame: &CameraFrame, (x, y): (u32, u32), index: u32) -> (Probe, Sampler) {
-    let sampler = Sampler::new(s.seed, x, y, index);
-    let (dx, dy) = stratified(index, s.samples, |dimension| sampler.get(dimension));
-    let ray = frame.ray(f64::from(x) + dx, f64::from(y) + dy);
-    (Probe::from_space(ray), sampler)
 }
 
 #[cfg(test)]

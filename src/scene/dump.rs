@@ -6,14 +6,30 @@ use std::{
 };
 
 use super::{
-    Encoding, Geometry, Group, Light, LightKind, Material, Mesh, Object, ROOT_GROUP, Scene, Term, Texels,
-    Texture,
+    Encoding, Geometry, Group, Light, LightKind, Material, Mesh, Object, Projection, ROOT_GROUP, Sampling,
+    Scene, Term, Texels, Texture,
 };
 use crate::{
     diag::SourceLoc,
     math::{DAffine3, DVec3},
     shape::Shape,
 };
+
+pub(super) fn projection(projection: &Projection) -> String {
+    match *projection {
+        Projection::Perspective { fovy } => format!("fovy {fovy}"),
+        Projection::Orthographic { height } => format!("orthographic height {height}"),
+        Projection::Fisheye { angle, full_frame } => {
+            let full = if full_frame { " full" } else { "" };
+            format!("fisheye angle {angle}{full}")
+        }
+        Projection::Panorama { angle, fovy } => format!("panorama angle {angle} fovy {fovy}"),
+        Projection::Cylindrical { angle, fovy } => {
+            let fovy = fovy.map_or(String::new(), |fovy| format!(" fovy {fovy}"));
+            format!("cylindrical angle {angle}{fovy}")
+        }
+    }
+}
 
 impl Scene {
     /// The whole scene as text, one entity a line, the same on every machine. Numbers are the shortest that
@@ -83,14 +99,24 @@ impl Scene {
             format!("samples {} max_depth {} seed {}", s.samples, s.max_depth, s.seed),
             format!("background {} encoding {encoding}", Vector(s.background)),
             format!(
-                "camera eye {} at {} up {} fovy {}",
+                "camera eye {} at {} up {} {}",
                 Vector(c.eye),
                 Vector(c.at),
                 Vector(c.up),
-                c.fovy
+                projection(&c.projection)
             ),
         ];
-        for line in lines.into_iter().chain(s.surroundings.lines()) {
+        let rare = [
+            c.lens.map(|lens| format!("lens {lens:?}")),
+            c.stereo.map(|stereo| format!("stereo {stereo:?}")),
+            (s.sampling != Sampling::default()).then(|| format!("sampler {}", s.sampling.name())),
+            (!s.filter.is_pixel()).then(|| format!("filter {} {}", s.filter.kind.name(), s.filter.radius)),
+            s.adaptive
+                .map(|a| format!("adaptive error {} min {}", a.error, a.min)),
+            s.crop.map(|crop| format!("crop {crop:?}")),
+        ];
+        let rare = rare.into_iter().flatten();
+        for line in lines.into_iter().chain(rare).chain(s.surroundings.lines()) {
             out.push_str(&line);
             out.push('\n');
         }

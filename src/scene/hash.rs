@@ -2,8 +2,8 @@
 
 use super::{
     Attenuation, Attribute, Camera, Encoding, Environment, Fog, Geometry, Group, Haze, ImageTexture, Light,
-    LightKind, Material, Mesh, Object, Occlusion, Scene, Settings, Sky, Surroundings, Term, Texels, Texture,
-    Triangle,
+    LightKind, Material, Mesh, Object, Occlusion, Projection, Sampling, Scene, Settings, Sky, Surroundings,
+    Term, Texels, Texture, Triangle,
 };
 use crate::{
     math::{DAffine3, DVec2, DVec3},
@@ -109,6 +109,10 @@ impl Digest {
             encoding,
             seed,
             surroundings,
+            sampling,
+            filter,
+            adaptive,
+            crop,
             edition: _,
         } = settings;
         // The newest is what a scene has that asks for none.
@@ -120,6 +124,18 @@ impl Digest {
             Encoding::Raw => 1,
         });
         self.int(*seed);
+        if *sampling != Sampling::default() {
+            self.text(sampling.name());
+        }
+        if !filter.is_pixel() {
+            self.text(&format!("{filter:?}"));
+        }
+        if let Some(adaptive) = adaptive {
+            self.text(&format!("{adaptive:?}"));
+        }
+        if let Some(crop) = crop {
+            self.text(&format!("{crop:?}"));
+        }
         self.surroundings(surroundings);
     }
 
@@ -195,9 +211,26 @@ impl Digest {
     }
 
     fn camera(&mut self, camera: &Camera) {
-        let Camera { eye, at, up, fovy } = camera;
+        let Camera {
+            eye,
+            at,
+            up,
+            projection,
+            lens,
+            stereo,
+        } = camera;
         self.vectors([*eye, *at, *up]);
-        self.float(*fovy);
+        // What there is not is not told of, as it was before there could be.
+        match projection {
+            Projection::Perspective { fovy } => self.float(*fovy),
+            other => self.text(&format!("{other:?}")),
+        }
+        if let Some(lens) = lens {
+            self.text(&format!("{lens:?}"));
+        }
+        if let Some(stereo) = stereo {
+            self.text(&format!("{stereo:?}"));
+        }
     }
 
     fn group(&mut self, group: &Group) {

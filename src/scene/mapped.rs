@@ -37,14 +37,14 @@ impl Mapping {
 
 /// What lies between texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Filter {
+pub enum TextureFilter {
     /// The four nearest, weighted.
     Bilinear,
     /// The nearest alone, for pixel art.
     Nearest,
 }
 
-impl Filter {
+impl TextureFilter {
     /// All of them with their names in scripts.
     pub const ALL: [(&'static str, Self); 2] = [("bilinear", Self::Bilinear), ("nearest", Self::Nearest)];
 }
@@ -93,7 +93,7 @@ pub struct Laying {
     /// How a point gets its place on the picture.
     pub mapping: Mapping,
     /// What lies between texels.
-    pub filter: Filter,
+    pub filter: TextureFilter,
     /// What lies beyond the edges.
     pub wrap: Wrap,
     /// Width over which the sides of [`Mapping::Box`] melt into each other, 0 (default) to 1.
@@ -106,7 +106,7 @@ impl Default for Laying {
     fn default() -> Self {
         Self {
             mapping: Mapping::Uv,
-            filter: Filter::Bilinear,
+            filter: TextureFilter::Bilinear,
             wrap: Wrap::Repeat,
             blend: 0.0,
             placement: Placement::default(),
@@ -235,7 +235,7 @@ impl MappedImage {
                 .zip(wrap.texel(y as i64, image.height));
             texel.map_or(Color::ZERO, |(x, y)| image.texel(x, y))
         };
-        if filter == Filter::Nearest {
+        if filter == TextureFilter::Nearest {
             return at(x.floor(), y.floor());
         }
         let (x, y) = (x - 0.5, y - 0.5);
@@ -289,7 +289,7 @@ mod tests {
     fn nearest(mapping: Mapping) -> Laying {
         Laying {
             mapping,
-            filter: Filter::Nearest,
+            filter: TextureFilter::Nearest,
             ..Laying::default()
         }
     }

@@ -33,7 +33,7 @@ mod texture_text;
 mod validate;
 
 pub use builder::{Builder, GroupMark};
-pub use camera::{Camera, CameraFrame};
+pub use camera::{Camera, CameraFrame, Eye, Focus, Lens, Projection, Stereo, StereoLayout};
 pub use color_map::{ColorMap, Interpolation, Paint};
 pub use composed::{MixTexture, PlacedTexture};
 pub use csg::CsgOp;
@@ -46,12 +46,12 @@ pub(crate) use light::around;
 pub use light::{
     Attenuation, Falloff, Light, LightForm, LightKind, LightMesh, Projector, Spot, Sun, SurfaceLight,
 };
-pub use mapped::{Filter, Laying, MappedImage, Mapping, Wrap};
+pub use mapped::{Laying, MappedImage, Mapping, TextureFilter, Wrap};
 pub use material::{Material, Term};
 pub use mesh::{Attribute, Mesh};
 pub use pattern::{Pattern, PatternKind, PatternTexture, Wave};
 pub use placement::Placement;
-pub use settings::{Encoding, Settings};
+pub use settings::{Adaptive, Crop, Encoding, Filter, FilterKind, Region, Sampling, Settings};
 pub use source::AssetFiles;
 pub(crate) use source::{MeshFile, write as write_source};
 pub use surroundings::{Environment, Fog, Haze, Occlusion, Sky, Surroundings};

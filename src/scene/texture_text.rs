@@ -3,7 +3,8 @@
 use std::{fmt::Display, sync::Arc};
 
 use super::{
-    ColorMap, Filter, Interpolation, Laying, Mapping, Paint, Pattern, Placement, Scene, Texture, Wave, Wrap,
+    ColorMap, Interpolation, Laying, Mapping, Paint, Pattern, Placement, Scene, Texture, TextureFilter, Wave,
+    Wrap,
     literal::{Components, Number, Text, Vector},
 };
 use crate::{color::Color, math::DVec3};
@@ -162,7 +163,7 @@ impl Options {
             placement,
         } = laying;
         self.choice("mapping", mapping, &usual.mapping, &Mapping::ALL);
-        self.choice("filter", filter, &usual.filter, &Filter::ALL);
+        self.choice("filter", filter, &usual.filter, &TextureFilter::ALL);
         self.choice("wrap", wrap, &usual.wrap, &Wrap::ALL);
         self.number("blend", *blend, usual.blend);
         self.placement(placement, &usual.placement);

@@ -52,7 +52,7 @@ use crate::{
     diag::{Diagnostic, Error, ErrorKind, Report},
     host::Host,
     limits::Limits,
-    scene::{GroupId, Scene},
+    scene::{Crop, GroupId, Scene},
 };
 use link::{Caller, Remote, StopOnDrop};
 use session::{Running, Source, State, Watch};
@@ -385,6 +385,9 @@ fn preset(state: &mut State) -> Result<(), Box<ScriptError>> {
     }
     if let Some(seed) = state.seed {
         state.builder.seed(seed);
+    }
+    if let Some(region) = state.region {
+        state.builder.crop(Some(Crop::Pixels(region)))?;
     }
     Ok(())
 }

@@ -6,7 +6,7 @@ use crate::{
     import::KeptAssets,
     parameters::{Declared, Parameters},
     render::{Image, RenderOptions, RenderStats},
-    scene::{self, AssetFiles, Scene},
+    scene::{self, AssetFiles, Region, Scene},
 };
 
 /// What the caller decides instead of the script. Where it is `None`, the script's own calls count.
@@ -19,6 +19,8 @@ pub struct RunOptions {
     pub samples: Option<u32>,
     /// Seed; `seed(n)` then does nothing.
     pub seed: Option<u64>,
+    /// The part of the picture that is rendered; `crop(...)` then does nothing.
+    pub region: Option<Region>,
     /// Values of the parameters that the script declares by `param(name, default)`, as text: `"0.5"`, `"true"`.
     pub parameters: BTreeMap<String, String>,
     /// `render()` traces a single ray and gives a picture of that color: for a run of which only the scene counts.
@@ -39,6 +41,9 @@ impl From<&Parameters> for RunOptions {
             size: parameters.size,
             samples: parameters.samples,
             seed: parameters.seed,
+            region: parameters
+                .region
+                .map(|[x, y, width, height]| Region { x, y, width, height }),
             parameters: parameters.values.clone(),
             ..Self::default()
         }

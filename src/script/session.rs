@@ -26,7 +26,7 @@ use crate::{
     meter,
     parameters::Declared,
     render::Spent,
-    scene::Builder,
+    scene::{Builder, Region},
 };
 
 /// A source file of the run.
@@ -99,6 +99,7 @@ pub(crate) struct State {
     pub(crate) size: Option<(u32, u32)>,
     pub(crate) samples: Option<u32>,
     pub(crate) seed: Option<u64>,
+    pub(crate) region: Option<Region>,
     /// Pictures are one pixel, which is as good as any other to a run of which only the scene counts.
     pub(crate) dry: bool,
     /// Values that the caller gives to parameters of the script.
@@ -160,6 +161,7 @@ impl State {
             size: options.size,
             samples: options.samples,
             seed: options.seed,
+            region: options.region,
             dry: options.dry,
             given: options.parameters.clone(),
             parameters: Vec::new(),

@@ -67,13 +67,18 @@ fn shown_by(scene: &Scene, pixels: &[(u32, u32)]) -> Result<BTreeMap<Option<Plac
     let world = World::compile(scene)?;
     let s = &scene.settings;
     let frame = scene.camera.frame(s.width, s.height);
+    let region = s.region();
     let mut counts = BTreeMap::new();
-    for &(x, y) in pixels.iter().filter(|(x, y)| *x < s.width && *y < s.height) {
+    for &(x, y) in pixels
+        .iter()
+        .filter(|(x, y)| *x < region.width && *y < region.height)
+    {
         let mut places = Vec::new();
         for i in 0..RAYS * RAYS {
             let offset = |i: u32| (f64::from(i) + 0.5) / f64::from(RAYS);
-            let ray = frame.ray(f64::from(x) + offset(i % RAYS), f64::from(y) + offset(i / RAYS));
-            match world.nearest_t(&ray, f64::INFINITY) {
+            let (x, y) = (f64::from(region.x + x), f64::from(region.y + y));
+            let ray = frame.ray(x + offset(i % RAYS), y + offset(i / RAYS));
+            match ray.and_then(|ray| world.nearest_t(&ray, f64::INFINITY)) {
                 Some((_, number)) => {
                     let objects = world.objects_of(number);
                     places.extend(objects.iter().map(|object| Some(Place::new(scene, object.loc))));

@@ -58,7 +58,7 @@ fn every_command_reaches_the_scene() {
     assert_eq!(settings.encoding, Encoding::Raw);
     assert_eq!(scene.camera.eye, DVec3::new(1.0, 2.0, 3.0));
     assert_eq!(scene.camera.at, DVec3::new(4.0, 5.0, 6.0));
-    assert_eq!((scene.camera.up, scene.camera.fovy), (DVec3::Y, 30.0));
+    assert_eq!((scene.camera.up, scene.camera.fovy()), (DVec3::Y, Some(30.0)));
 
     let [flat, smooth, sphere] = &scene.root().objects[..] else {
         panic!("{:?}", scene.root().objects)
@@ -160,7 +160,7 @@ fn the_last_size_camera_and_output_count() {
     assert_eq!(course.output.as_deref(), Some("b.png"));
     let scene = builder.finish().value;
     assert_eq!((scene.settings.width, scene.settings.height), (3, 4));
-    assert_eq!(scene.camera.fovy, 60.0);
+    assert_eq!(scene.camera.fovy(), Some(60.0));
 }
 
 #[test]

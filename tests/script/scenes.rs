@@ -60,7 +60,7 @@ fn spelled_out_arguments_reach_their_places() {
     let scene = run("camera(1, 2, 3, 4, 5, 6, 0, 1, 0, 30); light(1, 2, 3, 0.1, 0.2, 0.3);").scene;
     assert_eq!(scene.camera.eye, DVec3::new(1.0, 2.0, 3.0));
     assert_eq!(scene.camera.at, DVec3::new(4.0, 5.0, 6.0));
-    assert_eq!(scene.camera.fovy, 30.0);
+    assert_eq!(scene.camera.fovy(), Some(30.0));
     let light = &scene.root().lights[0];
     assert_eq!(light.color, DVec3::new(0.1, 0.2, 0.3));
     let numbers = "tri(0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0.0, 1, 0, 0, 2.0);";

@@ -4,7 +4,7 @@ use clap::Args;
 
 use crate::{
     cli::range,
-    parameters::{Parameters, parse_size},
+    parameters::{Parameters, parse_region, parse_size},
 };
 
 /// What is decided on the command line instead of in the scene.
@@ -22,8 +22,20 @@ pub(in crate::cli) struct Overrides {
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(in crate::cli) seed: Option<u64>,
 
+    /// Part of the picture to render, such as 10,20,64x48 for 64x48 pixels from column 10 and row 20 on
+    #[arg(long, value_name = "X,Y,WxH", value_parser = parse_region_value)]
+    pub(in crate::cli) region: Option<Region>,
+
     #[command(flatten)]
     pub(in crate::cli) define: Defines,
+}
+
+/// A part of the picture: first column, first row, columns, rows. A list would mean to clap that there may be several.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::cli) struct Region([u32; 4]);
+
+fn parse_region_value(text: &str) -> Result<Region, String> {
+    parse_region(text).map(Region)
 }
 
 impl Overrides {
@@ -32,6 +44,7 @@ impl Overrides {
         parameters.size = self.size.or(parameters.size);
         parameters.samples = self.samples.or(parameters.samples);
         parameters.seed = self.seed.or(parameters.seed);
+        parameters.region = self.region.map(|Region(region)| region).or(parameters.region);
         parameters
     }
 }

@@ -38,11 +38,14 @@ pub(super) fn draw(image: &Image, answer: &Answer<'_>) -> Image {
         .iter()
         .map(|v| (f64::from(*v) * DIMMED) as u8)
         .collect();
+    let s = &answer.scene.settings;
+    let region = s.region();
     let mut canvas = Canvas {
         width,
         height,
         bytes,
-        frame: answer.scene.camera.frame(width, height),
+        frame: answer.scene.camera.frame(s.width, s.height),
+        corner: [f64::from(region.x), f64::from(region.y)],
     };
     let size = answer
         .sample
@@ -85,6 +88,8 @@ struct Canvas {
     height: u32,
     bytes: Vec<u8>,
     frame: CameraFrame,
+    /// Of the picture in that of the whole frame.
+    corner: [f64; 2],
 }
 
 impl Canvas {
@@ -109,9 +114,14 @@ impl Canvas {
 
     /// A line in space, as far as it is in the picture.
     fn segment(&mut self, a: DVec3, b: DVec3, color: [u8; 3], strength: f64) {
-        let Some([a, b]) = self.frame.project(a, b) else {
-            return;
-        };
+        for [a, b] in self.frame.paths(a, b) {
+            self.line(a, b, color, strength);
+        }
+    }
+
+    fn line(&mut self, a: [f64; 2], b: [f64; 2], color: [u8; 3], strength: f64) {
+        let [left, top] = self.corner;
+        let [a, b] = [a, b].map(|[x, y]| [x - left, y - top]);
         let size = [f64::from(self.width), f64::from(self.height)];
         let Some([a, b]) = clipped(a, b, size) else {
             return;

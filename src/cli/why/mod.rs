@@ -33,6 +33,8 @@ struct Answer<'a> {
     pixel: (u32, u32),
     /// Mean of the samples.
     value: Color,
+    /// How many samples it has.
+    count: u32,
     /// What the samples show.
     shown: Vec<Shown<'a>>,
     /// The sample that is told of at length, and its number.
@@ -88,19 +90,20 @@ pub(super) fn why(args: &WhyArgs, signals: &Arc<Signals>, reporter: Reporter) ->
     let scene = &run.scene;
     let world = World::compile_for(scene, subject.host())?;
     let (x, y) = args.pixel;
-    let count = scene.settings.samples;
+    let count = world.samples_at(x, y, subject.host())?;
     let sample = world.explain_sample(x, y, args.sample, subject.host())?;
-    let mut value = Color::ZERO;
+    let (mut value, mut weights) = (Color::ZERO, Color::ZERO);
     let mut shown: Vec<Shown<'_>> = Vec::new();
     for index in 0..count {
         let other = world.explain_sample(x, y, index, subject.host())?;
-        value += other.value;
+        value += other.weight * other.value;
+        weights += other.weight;
         let objects = first_hit(&other).map_or(Vec::new(), |hit| hit.objects.clone());
         let is_same = |s: &&mut Shown<'_>| {
             let pairs = s.objects.iter().zip(&objects);
             s.objects.len() == objects.len() && pairs.into_iter().all(|(a, b)| std::ptr::eq(*a, *b))
         };
-        let added = other.value / f64::from(count);
+        let added = other.weight * other.value;
         match shown.iter_mut().find(is_same) {
             Some(same) => (same.samples, same.added) = (same.samples + 1, same.added + added),
             None => shown.push(Shown {
@@ -109,6 +112,9 @@ pub(super) fn why(args: &WhyArgs, signals: &Arc<Signals>, reporter: Reporter) ->
                 added,
             }),
         }
+    }
+    for shown in &mut shown {
+        shown.added /= weights;
     }
     shown.sort_by_key(|s| std::cmp::Reverse(s.samples));
     let mut made_by = Vec::new();
@@ -119,7 +125,8 @@ pub(super) fn why(args: &WhyArgs, signals: &Arc<Signals>, reporter: Reporter) ->
         subject: &subject,
         scene,
         pixel: args.pixel,
-        value: value / f64::from(count),
+        value: value / weights,
+        count,
         shown,
         sample,
         number: args.sample,

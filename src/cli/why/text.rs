@@ -72,7 +72,7 @@ impl Text<'_> {
 
     fn shown(&mut self) {
         let a = self.answer;
-        let count = a.scene.settings.samples;
+        let count = a.count;
         if count == 1 {
             return;
         }
@@ -89,7 +89,7 @@ impl Text<'_> {
 
     fn made_by(&mut self) {
         let a = self.answer;
-        let of = match a.scene.settings.samples {
+        let of = match a.count {
             1 => "it".to_owned(),
             _ => format!("sample {}", a.number),
         };
@@ -157,7 +157,7 @@ impl Text<'_> {
         let rays = &a.sample.rays;
         self.line(
             0,
-            match a.scene.settings.samples {
+            match a.count {
                 1 => "rays; what they add is the pixel".to_owned(),
                 n => format!(
                     "rays of sample {}; what they add is {}, of which the pixel takes 1/{n}",

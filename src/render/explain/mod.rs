@@ -5,10 +5,11 @@ mod record;
 mod tests;
 
 use super::{
+    adaptive::Pixels,
     integrator::{self, Counts, Stack},
     interrupt::Interrupt,
     observe::RayKind,
-    tiles::shot,
+    shots::{Mean, Shots},
     world::World,
 };
 use crate::{
@@ -40,6 +41,9 @@ pub struct Explanation<'s> {
 pub struct ExplainedSample<'s> {
     /// Scene-linear value; black where it was no finite number.
     pub value: Color,
+    /// What it counts for in the mean of the pixel, each channel against the sum of all weights: 1, but for the channels
+    /// that an eye of an anaglyph does not show.
+    pub weight: Color,
     /// The camera ray first, then each ray followed at once by the mirrored ray that leaves where it ends, with all
     /// that follows from that, then by the refracted one.
     pub rays: Vec<ExplainedRay<'s>>,
@@ -227,20 +231,50 @@ impl World<'_> {
     /// # Errors
     /// `Script` outside the picture, `Cancelled` where the host asks to stop.
     pub fn explain(&self, x: u32, y: u32, host: &dyn Host) -> Result<Explanation<'_>, Error> {
-        let count = self.scene.settings.samples;
+        let count = self.samples_at(x, y, host)?;
         let mut samples = Vec::new();
-        let mut sum = Color::ZERO;
+        let mut mean = Mean::default();
         for index in 0..count {
             let sample = self.explain_sample(x, y, index, host)?;
-            sum += sample.value;
+            mean.add(sample.value, sample.weight);
             samples.push(sample);
         }
         Ok(Explanation {
             x,
             y,
-            value: sum / f64::from(count),
+            value: mean.value(),
             samples,
         })
+    }
+
+    /// How many camera rays the pixel in column `x`, row `y` has: its samples, times the eyes of an anaglyph.
+    ///
+    /// # Errors
+    /// As [`World::explain`].
+    pub fn samples_at(&self, x: u32, y: u32, host: &dyn Host) -> Result<u32, Error> {
+        let s = &self.scene.settings;
+        let region = s.region();
+        if x >= region.width || y >= region.height {
+            return Err(Diagnostic::error(
+                ErrorKind::Script,
+                format!(
+                    "there is no pixel {x},{y} in a picture of {} x {}: they count from 0,0 at the top left",
+                    region.width, region.height
+                ),
+            )
+            .into());
+        }
+        let shots = Shots::new(&self.scene.camera, s);
+        let Some(adaptive) = s.adaptive else {
+            return Ok(shots.count());
+        };
+        let pixels = Pixels {
+            world: self,
+            shots: &shots,
+            adaptive,
+            interrupt: &Interrupt::new(host),
+        };
+        Ok(pixels.alone((x, y)).samples * shots.eyes())
     }
 
     /// As [`World::explain`] for the pixel's sample `index` alone, counted from 0.
@@ -255,29 +289,31 @@ impl World<'_> {
         host: &dyn Host,
     ) -> Result<ExplainedSample<'_>, Error> {
         let s = &self.scene.settings;
-        let wrong = |what: String| Error::from(Diagnostic::error(ErrorKind::Script, what));
-        if x >= s.width || y >= s.height {
-            return Err(wrong(format!(
-                "there is no pixel {x},{y} in a picture of {} x {}: they count from 0,0 at the top left",
-                s.width, s.height
-            )));
+        let shots = Shots::new(&self.scene.camera, s);
+        let count = self.samples_at(x, y, host)?;
+        if index >= count {
+            return Err(Diagnostic::error(
+                ErrorKind::Script,
+                format!("there is no sample {index}: a pixel has {count} here, counted from 0"),
+            )
+            .into());
         }
-        if index >= s.samples {
-            return Err(wrong(format!(
-                "there is no sample {index}: a pixel has {} here, counted from 0",
-                s.samples
-            )));
-        }
-        let frame = self.scene.camera.frame(s.width, s.height);
-        let (probe, sampler) = shot(s, &frame, (x, y), index);
+        let shot = shots.shot((x, y), index);
         let interrupt = Interrupt::new(host);
         let mut recorder = Recorder::new(self);
+        let Some(probe) = shot.probe else {
+            return Ok(ExplainedSample {
+                value: Color::ZERO,
+                weight: shot.weight,
+                rays: Vec::new(),
+            });
+        };
         let seen = (probe, self.nearest(&probe, f64::INFINITY));
         let (mut stack, mut counts) = (Stack::default(), Counts::default());
         let value = integrator::radiance(
             self,
             seen,
-            sampler,
+            shot.sampler,
             &interrupt,
             &mut stack,
             &mut counts,
@@ -288,6 +324,7 @@ impl World<'_> {
         }
         Ok(ExplainedSample {
             value,
+            weight: shot.weight,
             rays: recorder.rays,
         })
     }

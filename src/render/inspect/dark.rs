@@ -34,9 +34,15 @@ pub(super) fn why(world: &World<'_>, image: &Image) -> Option<Diagnostic> {
     let scene = world.scene;
     let s = &scene.settings;
     let frame = scene.camera.frame(s.width, s.height);
-    let points = (0..GRID * GRID).map(|i| {
-        let along = |i: u32, size: u32| (f64::from(i) + 0.5) / f64::from(GRID) * f64::from(size);
-        frame.ray(along(i % GRID, s.width), along(i / GRID, s.height))
+    let region = s.region();
+    let points = (0..GRID * GRID).filter_map(|i| {
+        let along = |i: u32, from: u32, size: u32| {
+            f64::from(from) + (f64::from(i) + 0.5) / f64::from(GRID) * f64::from(size)
+        };
+        frame.ray(
+            along(i % GRID, region.x, region.width),
+            along(i / GRID, region.y, region.height),
+        )
     });
     let met: Vec<(Hit, Ray)> = points
         .filter_map(|ray| Some((world.nearest(&Probe::from_space(ray), f64::INFINITY)?, ray)))

@@ -14,7 +14,7 @@ use crate::{
         invalid_samples,
         lighting::Lit,
         observe::{Arrived, Observer},
-        tiles::shot,
+        shots::Shots,
         world::{Hit, Probe, SurfacePoint},
     },
     scene::{Geometry, GroupId, Light, Object, ROOT_GROUP},
@@ -60,20 +60,24 @@ pub(super) fn look(world: &World<'_>, host: &dyn Host) -> Result<Vec<Diagnostic>
     if world.scene.root().objects.is_empty() {
         return Ok(Vec::new());
     }
-    let frame = world.scene.camera.frame(s.width, s.height);
-    let step = s.width.div_ceil(RAYS).max(s.height.div_ceil(RAYS)).max(1);
-    let size = (s.width.div_ceil(step), s.height.div_ceil(step));
+    let shots = Shots::new(&world.scene.camera, s);
+    let (width, height) = (s.region().width, s.region().height);
+    let step = width.div_ceil(RAYS).max(height.div_ceil(RAYS)).max(1);
+    let size = (width.div_ceil(step), height.div_ceil(step));
     let met = by_rows(size, host, |x, y, interrupt| {
         let pixel = (
-            (x * step + step / 2).min(s.width - 1),
-            (y * step + step / 2).min(s.height - 1),
+            (x * step + step / 2).min(width - 1),
+            (y * step + step / 2).min(height - 1),
         );
-        let (probe, sampler) = shot(s, &frame, pixel, 0);
-        let first = world.nearest(&probe, f64::INFINITY);
         let mut eye = Eye {
             world,
             met: Met::default(),
         };
+        let shot = shots.shot(pixel, 0);
+        let Some(probe) = shot.probe else {
+            return eye.met;
+        };
+        let first = world.nearest(&probe, f64::INFINITY);
         if let Some(hit) = &first {
             eye.share(hit, &probe.ray);
             eye.met.first.push((*hit, probe.ray));
@@ -82,7 +86,7 @@ pub(super) fn look(world: &World<'_>, host: &dyn Host) -> Result<Vec<Diagnostic>
         integrator::radiance(
             world,
             (probe, first),
-            sampler,
+            shot.sampler,
             interrupt,
             &mut Stack::default(),
             &mut counts,
@@ -291,7 +295,9 @@ fn bounds(world: &World<'_>, object: &Object) -> Option<Bounds3> {
 fn rays_towards(world: &World<'_>, bounds: &Bounds3) -> Vec<Ray> {
     let s = &world.scene.settings;
     let frame = world.scene.camera.frame(s.width, s.height);
-    let size = DVec2::new(f64::from(s.width), f64::from(s.height));
+    let region = s.region();
+    let low = DVec2::new(f64::from(region.x), f64::from(region.y));
+    let high = low + DVec2::new(f64::from(region.width), f64::from(region.height));
     let mut from = DVec2::INFINITY;
     let mut to = DVec2::NEG_INFINITY;
     let corners: [DVec3; 8] = bounds.corners();
@@ -303,10 +309,13 @@ fn rays_towards(world: &World<'_>, bounds: &Bounds3) -> Vec<Ray> {
             }
         }
     }
-    let (from, to) = (from.clamp(DVec2::ZERO, size), to.clamp(DVec2::ZERO, size));
+    if frame.project(corners[0], corners[7]).is_none() && frame.extent().is_none() {
+        (from, to) = (low, high);
+    }
+    let (from, to) = (from.clamp(low, high), to.clamp(low, high));
     let ([x0, y0], [x1, y1]) = (from.to_array(), to.to_array());
     let place = |i: u32, from: f64, to: f64| from + (to - from) * (f64::from(i) + 0.5) / f64::from(SEARCH);
     (0..SEARCH * SEARCH)
-        .map(|i| frame.ray(place(i % SEARCH, x0, x1), place(i / SEARCH, y0, y1)))
+        .filter_map(|i| frame.ray(place(i % SEARCH, x0, x1), place(i / SEARCH, y0, y1)))
         .collect()
 }

@@ -37,16 +37,20 @@ pub(super) fn side(scene: &Scene, bounds: &Bounds3) -> Option<&'static str> {
     let s = &scene.settings;
     let frame = scene.camera.frame(s.width, s.height);
     let corners = bounds.corners().map(|corner| frame.camera_from_world(corner));
-    let [tan_x, tan_y] = frame.extent();
+    let [[base_x, base_y], [tan_x, tan_y]] = frame.extent()?;
     // Signed distances that are negative outside, not in any unit. A box that is outside of no single plane may still
     // be out of view; that is for rays to find out.
     let outside = |inside: &dyn Fn(DVec3) -> f64| corners.iter().all(|p| inside(*p) < 0.0);
     let sides: [(&str, &dyn Fn(DVec3) -> f64); 5] = [
         ("behind the camera", &|p| p.z),
-        ("to the left of what the camera sees", &|p| p.x + p.z * tan_x),
-        ("to the right of what the camera sees", &|p| p.z * tan_x - p.x),
-        ("below what the camera sees", &|p| p.y + p.z * tan_y),
-        ("above what the camera sees", &|p| p.z * tan_y - p.y),
+        ("to the left of what the camera sees", &|p| {
+            p.x + base_x + p.z * tan_x
+        }),
+        ("to the right of what the camera sees", &|p| {
+            p.z * tan_x + base_x - p.x
+        }),
+        ("below what the camera sees", &|p| p.y + base_y + p.z * tan_y),
+        ("above what the camera sees", &|p| p.z * tan_y + base_y - p.y),
     ];
     let found = sides.into_iter().find(|(_, inside)| outside(inside));
     found.map(|(side, _)| side)

@@ -6,11 +6,12 @@ use crate::{
     host::Host,
     math::Ray,
     render::{
+        adaptive::Pixels,
         by_rows,
         integrator::{self, Counts, Stack},
         lighting::Lit,
         observe::{Arrived, Observer},
-        tiles::shot,
+        shots::Shots,
         world::{Hit, Probe, SurfacePoint, World},
     },
     scene::Scene,
@@ -46,19 +47,30 @@ impl PixelCost {
 pub fn costs(scene: &Scene, host: &dyn Host) -> Result<Vec<PixelCost>, Error> {
     let world = World::compile_for(scene, host)?;
     let s = &scene.settings;
-    let frame = scene.camera.frame(s.width, s.height);
-    by_rows((s.width, s.height), host, |x, y, interrupt| {
+    let shots = Shots::new(&scene.camera, s);
+    let region = s.region();
+    by_rows((region.width, region.height), host, |x, y, interrupt| {
         let mut meter = Meter {
             world: &world,
             cost: PixelCost::default(),
             under_way: None,
         };
         let (mut stack, mut counts) = (Stack::default(), Counts::default());
-        for index in 0..s.samples {
+        let count = s.adaptive.map_or(shots.count(), |adaptive| {
+            let pixels = Pixels {
+                world: &world,
+                shots: &shots,
+                adaptive,
+                interrupt,
+            };
+            pixels.alone((x, y)).samples * shots.eyes()
+        });
+        for index in 0..count {
             if interrupt.poll() {
                 break;
             }
-            let (probe, sampler) = shot(s, &frame, (x, y), index);
+            let shot = shots.shot((x, y), index);
+            let Some(probe) = shot.probe else { continue };
             let first = world.nearest(&probe, f64::INFINITY);
             if index == 0 {
                 meter.cost.shows = first.map(|hit| hit.number);
@@ -67,7 +79,7 @@ pub fn costs(scene: &Scene, host: &dyn Host) -> Result<Vec<PixelCost>, Error> {
             integrator::radiance(
                 &world,
                 seen,
-                sampler,
+                shot.sampler,
                 interrupt,
                 &mut stack,
                 &mut counts,

@@ -58,7 +58,7 @@ pub fn show(scene: &Scene, what: Show, options: &RenderOptions, host: &dyn Host)
 }
 
 fn show_here(scene: &Scene, what: Show, host: &dyn Host) -> Result<Image, Error> {
-    let (width, height) = (scene.settings.width, scene.settings.height);
+    let region = scene.settings.region();
     if what == Show::Cost {
         let costs = costs(scene, host)?;
         return Ok(heat_map(scene, &costs));
@@ -97,7 +97,12 @@ fn show_here(scene: &Scene, what: Show, host: &dyn Host) -> Result<Image, Error>
     let pixels = met
         .iter()
         .map(|met| met.as_ref().map_or(Color::ZERO, color).to_array());
-    Ok(Image::new(width, height, Encoding::Raw, pixels.collect()))
+    Ok(Image::new(
+        region.width,
+        region.height,
+        Encoding::Raw,
+        pixels.collect(),
+    ))
 }
 
 /// What each pixel costs, from black over red to white.
@@ -109,8 +114,8 @@ pub fn heat_map(scene: &Scene, costs: &[PixelCost]) -> Image {
         let share = scale(cost.work()) / scale(most).max(f64::MIN_POSITIVE);
         ramp::heat(share).to_array()
     });
-    let s = &scene.settings;
-    Image::new(s.width, s.height, Encoding::Raw, pixels.collect())
+    let region = scene.settings.region();
+    Image::new(region.width, region.height, Encoding::Raw, pixels.collect())
 }
 
 /// From 0 up to, but not including, 1.
@@ -122,8 +127,9 @@ fn fraction(x: f64) -> f64 {
 fn met(world: &World<'_>, host: &dyn Host) -> Result<Vec<Option<Met>>, Error> {
     let s = &world.scene.settings;
     let frame = world.scene.camera.frame(s.width, s.height);
-    by_rows((s.width, s.height), host, |x, y, _| {
-        let ray = frame.ray(f64::from(x) + 0.5, f64::from(y) + 0.5);
+    let region = s.region();
+    by_rows((region.width, region.height), host, |x, y, _| {
+        let ray = frame.ray(f64::from(region.x + x) + 0.5, f64::from(region.y + y) + 0.5)?;
         let hit = world.nearest(&Probe::from_space(ray), f64::INFINITY)?;
         let at = world.surface(&hit, &ray)?;
         Some(Met {

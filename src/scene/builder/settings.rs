@@ -5,8 +5,8 @@ use crate::{
     color::Color,
     math::DAffine3,
     scene::{
-        Attenuation, Camera, Edition, Encoding, Environment, Fog, Haze, Material, Occlusion, Settings, Sky,
-        Texture,
+        Adaptive, Attenuation, Camera, Crop, Edition, Encoding, Environment, Filter, Fog, Haze, Lens,
+        Material, Occlusion, Sampling, Settings, Sky, Stereo, Texture,
     },
 };
 
@@ -186,9 +186,72 @@ impl Builder {
         self.scene.settings.seed = seed;
     }
 
-    /// The camera; the last call counts.
+    /// The camera with its lens and its eyes; the last call counts.
     pub fn camera(&mut self, camera: Camera) {
         self.scene.camera = camera;
+    }
+
+    /// How the camera sees, from where, with the lens and the eyes that it had before.
+    ///
+    /// # Errors
+    /// Where it cannot have that lens.
+    pub(crate) fn view(&mut self, camera: Camera) -> Result<(), SceneError> {
+        let Camera { lens, stereo, .. } = self.scene.camera;
+        self.scene.camera = camera.with_lens(lens)?.with_stereo(stereo)?;
+        Ok(())
+    }
+
+    /// The camera's lens; `None` makes it a pinhole.
+    ///
+    /// # Errors
+    /// As [`Camera::with_lens`].
+    pub fn lens(&mut self, lens: Option<Lens>) -> Result<(), SceneError> {
+        self.scene.camera = self.scene.camera.with_lens(lens)?;
+        Ok(())
+    }
+
+    /// Two eyes instead of one; `None` is one.
+    ///
+    /// # Errors
+    /// As [`Camera::with_stereo`].
+    pub fn stereo(&mut self, stereo: Option<Stereo>) -> Result<(), SceneError> {
+        self.scene.camera = self.scene.camera.with_stereo(stereo)?;
+        Ok(())
+    }
+
+    /// How the samples of a pixel are spread.
+    pub fn sampling(&mut self, sampling: Sampling) {
+        self.scene.settings.sampling = sampling;
+    }
+
+    /// What the surroundings of a pixel count for in it.
+    ///
+    /// # Errors
+    /// As [`Filter::check`].
+    pub fn filter(&mut self, filter: Filter) -> Result<(), SceneError> {
+        filter.check()?;
+        self.scene.settings.filter = filter;
+        Ok(())
+    }
+
+    /// Samples where they are needed, up to those of [`Builder::samples`]; `None` gives all pixels the same.
+    ///
+    /// # Errors
+    /// As [`Adaptive::check`].
+    pub fn adaptive(&mut self, adaptive: Option<Adaptive>) -> Result<(), SceneError> {
+        adaptive.map_or(Ok(()), |adaptive| adaptive.check())?;
+        self.scene.settings.adaptive = adaptive;
+        Ok(())
+    }
+
+    /// Only this part of the picture is rendered; `None` is all of it.
+    ///
+    /// # Errors
+    /// As [`Crop::check`].
+    pub fn crop(&mut self, crop: Option<Crop>) -> Result<(), SceneError> {
+        crop.map_or(Ok(()), |crop| crop.check())?;
+        self.scene.settings.crop = crop;
+        Ok(())
     }
 }
 

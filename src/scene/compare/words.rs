@@ -9,8 +9,9 @@ use crate::{
     custom::Custom,
     math::DVec3,
     scene::{
-        Encoding, Geometry, Light, Material, Object, Scene, Term, Texture,
+        Encoding, Geometry, Light, Material, Object, Projection, Scene, Term, Texture, dump,
         literal::{Number, Vector},
+        source,
     },
     shape::Shape,
 };
@@ -249,6 +250,10 @@ fn light(ways: &mut Vec<Way>, old: &Light, new: &Light) {
     }
 }
 
+fn or_none(said: Option<String>) -> String {
+    said.unwrap_or_else(|| "none".to_owned())
+}
+
 /// Settings and camera that differ: what, the value it had, the value it has.
 #[must_use]
 pub fn settings(before: &Scene, after: &Scene) -> Vec<(&'static str, String, String)> {
@@ -278,7 +283,24 @@ pub fn settings(before: &Scene, after: &Scene) -> Vec<(&'static str, String, Str
             ("camera from", Vector(c.eye).to_string()),
             ("camera at", Vector(c.at).to_string()),
             ("camera up", Vector(c.up).to_string()),
-            ("camera fovy", Number(c.fovy).to_string()),
+            (
+                "camera fovy",
+                c.fovy()
+                    .map_or("none".to_owned(), |fovy| Number(fovy).to_string()),
+            ),
+            (
+                "camera projection",
+                match c.projection {
+                    Projection::Perspective { .. } => "perspective".to_owned(),
+                    other => dump::projection(&other),
+                },
+            ),
+            ("lens", or_none(c.lens.as_ref().map(source::lens))),
+            ("stereo", or_none(c.stereo.as_ref().map(source::stereo))),
+            ("sampler", s.sampling.name().to_owned()),
+            ("filter", source::filter(&s.filter)),
+            ("adaptive", or_none(s.adaptive.as_ref().map(source::adaptive))),
+            ("crop", or_none(s.crop.as_ref().map(source::crop))),
         ]
     };
     let pairs = said(before).into_iter().zip(said(after));

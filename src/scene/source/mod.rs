@@ -1,6 +1,7 @@
 //! A scene as a script of its own: one entity a line, without loops, variables or functions.
 
 mod calls;
+mod camera;
 mod lights;
 mod mesh;
 mod order;
@@ -12,15 +13,18 @@ use std::{
     sync::Arc,
 };
 
-pub(in crate::scene) use self::order::{names, own_lights};
 use self::{
     calls::{Call, Load, Said},
     order::{NEVER, Order, next_uses},
     textures::{is_named, terms},
 };
+pub(in crate::scene) use self::{
+    camera::{adaptive, camera, crop, filter, lens, stereo},
+    order::{names, own_lights},
+};
 use super::{
     Attenuation, CsgOp, Encoding, Geometry, Group, ImageTexture, LightKind, Material, MaterialId, MeshId,
-    Object, ROOT_GROUP, Scene, Texels, Texture, TextureId, TransformId,
+    Object, ROOT_GROUP, Sampling, Scene, Texels, Texture, TextureId, TransformId,
     literal::{Components, Number, Text, Vector},
 };
 use crate::diag::SourceLoc;
@@ -146,13 +150,19 @@ impl Writer<'_> {
         }
         self.call(format_args!("background({});", Components(s.background)))?;
         self.call(format_args!("encoding(\"{encoding}\");"))?;
-        self.call(format_args!(
-            "camera({}, {}, {}, {});",
-            Vector(c.eye),
-            Vector(c.at),
-            Vector(c.up),
-            Number(c.fovy)
-        ))
+        if s.sampling != Sampling::default() {
+            self.call(format_args!("sampler({});", Text(s.sampling.name())))?;
+        }
+        if !s.filter.is_pixel() {
+            self.call(filter(&s.filter))?;
+        }
+        for call in s.adaptive.iter().map(adaptive) {
+            self.call(call)?;
+        }
+        for call in s.crop.iter().map(crop).chain(camera(c)) {
+            self.call(call)?;
+        }
+        Ok(())
     }
 
     /// A constant for each texture but those that the files of meshes bring with them: what shares a texture goes on

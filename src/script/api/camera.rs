@@ -147,6 +147,6 @@ fn camera(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
         );
         state.builder.warn(Code::ExchangedArguments, message, Some(ORDER));
     }
-    state.builder.camera(camera);
+    state.builder.view(camera)?;
     DONE
 }

@@ -30,6 +30,7 @@ mod text;
 mod transform;
 mod turning;
 mod vector;
+mod views;
 
 pub(super) use queries::Queries;
 pub(super) use random::Stream;
@@ -39,9 +40,10 @@ use rhai::Module;
 use super::table::{Entry, Kind, Param};
 
 /// Every list, in the order of the reference.
-pub(super) const ALL: [&[Entry]; 26] = [
+pub(super) const ALL: [&[Entry]; 27] = [
     edition::ENTRIES,
     camera::ENTRIES,
+    views::ENTRIES,
     transform::ENTRIES,
     turning::ENTRIES,
     shapes::ENTRIES,

@@ -7,7 +7,7 @@ use rhai::{Dynamic, FuncRegistration, Module};
 use super::{int, string};
 use crate::{
     diag::ErrorKind,
-    scene::{ImageTexture, Texels},
+    scene::{ImageTexture, Region, Texels},
     script::{
         Picture,
         call::Call,
@@ -63,6 +63,7 @@ fn render(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
             scene.settings.height,
             scene.settings.samples,
         ) = (1, 1, 1);
+        scene.settings.crop = None;
     }
     let clock = Clock::start();
     // Where no scene comes back, nobody is left who could render, and the run is over.
@@ -90,7 +91,7 @@ fn render(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     if let Some(name) = &name {
         state.host.write_shared(name, &image)?;
     }
-    let (width, height) = (settings.width, settings.height);
+    let Region { width, height, .. } = settings.region();
     let texels = match image.pixels() {
         [pixel] => vec![*pixel; width as usize * height as usize],
         pixels => pixels.to_vec(),

@@ -9,8 +9,8 @@ use crate::{
     color::Color,
     math::DVec3,
     scene::{
-        ColorMap, Filter, Interpolation, Laying, MappedImage, Mapping, Paint, Pattern, PatternKind,
-        Placement, Texture, Wave, Wrap,
+        ColorMap, Interpolation, Laying, MappedImage, Mapping, Paint, Pattern, PatternKind, Placement,
+        Texture, TextureFilter, Wave, Wrap,
     },
     script::{
         call::{Call, TermValue, kind_of, number_of, quoted},
@@ -372,7 +372,7 @@ pub(super) fn laid(call: &Call<'_, '_>, image: Arc<Texture>, options: &Map) -> O
     for (key, value) in options {
         match key.as_str() {
             "mapping" => laying.mapping = choice(call, key, value, &Mapping::ALL)?,
-            "filter" => laying.filter = choice(call, key, value, &Filter::ALL)?,
+            "filter" => laying.filter = choice(call, key, value, &TextureFilter::ALL)?,
             "wrap" => laying.wrap = choice(call, key, value, &Wrap::ALL)?,
             "blend" => laying.blend = call.number_from(key, value)?,
             _ => place(call, &mut laying.placement, key, value)?,

@@ -2,10 +2,14 @@
 //!
 //! Nothing is drawn from a stream, so neither threads nor the order of tiles can change a picture.
 
+mod net;
+
 /// The random numbers of one camera sample.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sampler {
     key: u64,
+    /// The sample's number where the numbers are those of a net over all samples of the pixel.
+    in_net: Option<u32>,
 }
 
 /// A 64-bit mix in which every input bit reaches every output bit (the finalizer of SplitMix64; Steele, Lea and
@@ -17,18 +21,61 @@ pub(crate) const fn mix(mut x: u64) -> u64 {
     x ^ (x >> 31)
 }
 
+/// The first of two dimensions for a point of the lens; those of a path are below them.
+pub(crate) const LENS: u64 = 1 << 63;
+
 impl Sampler {
     /// The numbers of sample `sample` of the pixel in column `x`, row `y`.
     pub(crate) fn new(seed: u64, x: u32, y: u32, sample: u32) -> Self {
         let pixel = u64::from(y) << 32 | u64::from(x);
         Self {
             key: mix(mix(mix(seed) ^ pixel) ^ u64::from(sample)),
+            in_net: None,
+        }
+    }
+
+    /// As [`Sampler::new`], for points of a net in each pair of dimensions 2 i and 2 i + 1.
+    pub(crate) fn in_net(seed: u64, x: u32, y: u32, sample: u32) -> Self {
+        let pixel = u64::from(y) << 32 | u64::from(x);
+        Self {
+            key: mix(mix(seed) ^ pixel),
+            in_net: Some(sample),
         }
     }
 
     /// The number of a dimension, in [0, 1).
     pub(crate) fn get(&self, dimension: u64) -> f64 {
-        (mix(self.key ^ mix(dimension)) >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+        if let Some(index) = self.in_net {
+            return net::number(self.key, index, dimension);
+        }
+        (self.bits(dimension) >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+    }
+
+    /// 64 random bits for a dimension; in a net the same for all samples of the pixel.
+    pub(crate) fn bits(&self, dimension: u64) -> u64 {
+        mix(self.key ^ mix(dimension))
+    }
+}
+
+/// Where `index` comes in an order of the numbers below `count` that is drawn from `key`: each comes once (Kensler,
+/// "Correlated multi-jittered sampling", 2013). Rounds of bijections of the next power of two, repeated until the number
+/// is below `count`.
+pub(crate) fn permuted(index: u32, count: u32, key: u64) -> u32 {
+    if count <= 1 {
+        return 0;
+    }
+    let mask = u32::MAX >> (count - 1).leading_zeros();
+    let bits = mask.count_ones();
+    let mut i = index & mask;
+    loop {
+        for round in 0..4 {
+            let key = mix(key ^ round);
+            i = i.wrapping_mul((key as u32) | 1).wrapping_add((key >> 32) as u32) & mask;
+            i ^= i >> bits.div_ceil(2);
+        }
+        if i < count {
+            return i;
+        }
     }
 }
 
@@ -74,6 +121,21 @@ mod tests {
             }
             assert!((area - 1.0).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn an_order_has_each_number_once() {
+        let mut orders = std::collections::BTreeSet::new();
+        for count in (1..70).chain([255, 256, 257, 1000]) {
+            for key in 0..20 {
+                let order: Vec<u32> = (0..count).map(|i| permuted(i, count, mix(key))).collect();
+                let mut sorted = order.clone();
+                sorted.sort_unstable();
+                assert!(sorted.into_iter().eq(0..count), "{count}: {order:?}");
+                orders.insert(order);
+            }
+        }
+        assert!(orders.len() > 1300, "{}", orders.len());
     }
 
     #[test]

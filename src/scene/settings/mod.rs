@@ -1,5 +1,11 @@
 //! What the whole picture has one of, besides the camera.
 
+mod crop;
+mod sampling;
+
+pub use crop::{Crop, Region};
+pub use sampling::{Adaptive, Filter, FilterKind, Sampling};
+
 use super::{Edition, Surroundings};
 use crate::color::Color;
 
@@ -34,6 +40,14 @@ pub struct Settings {
     pub seed: u64,
     /// Environment, ambient occlusion, fog and haze.
     pub surroundings: Surroundings,
+    /// How samples are spread.
+    pub sampling: Sampling,
+    /// What the surroundings of a pixel count for in it.
+    pub filter: Filter,
+    /// Where set, pixels have no more samples than they need, and [`Settings::samples`] at the most.
+    pub adaptive: Option<Adaptive>,
+    /// The part of the picture that is rendered; `None` is all of it.
+    pub crop: Option<Crop>,
 }
 
 impl Settings {
@@ -44,6 +58,18 @@ impl Settings {
     #[must_use]
     pub fn edition(&self) -> Edition {
         self.edition.unwrap_or(Edition::LATEST)
+    }
+
+    /// The part of the picture that is rendered, in pixels: all of it, but for [`Settings::crop`].
+    #[must_use]
+    pub fn region(&self) -> Region {
+        let whole = Region {
+            x: 0,
+            y: 0,
+            width: self.width,
+            height: self.height,
+        };
+        self.crop.map_or(whole, |crop| crop.region(&whole))
     }
 }
 
@@ -59,6 +85,10 @@ impl Default for Settings {
             encoding: Encoding::Srgb,
             seed: 0,
             surroundings: Surroundings::default(),
+            sampling: Sampling::default(),
+            filter: Filter::default(),
+            adaptive: None,
+            crop: None,
         }
     }
 }

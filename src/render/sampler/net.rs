@@ -1,0 +1,111 @@
+//! Owen-scrambled Sobol points: in every elementary interval as many as there should be, at random places within.
+//!
+//! Points in two dimensions are padded: each pair of dimensions has the first two of Sobol's sequence, with a shuffled
+//! order and a scrambling of its own (Burley, "Practical hash-based Owen scrambling", 2020; Kollig and Keller, "Efficient
+//! multidimensional sampling", 2002).
+
+use super::mix;
+
+/// The number in [0, 1) that point `index` has in a dimension; `key` is that of the pixel.
+#[cold]
+#[inline(never)]
+pub(super) fn number(key: u64, index: u32, dimension: u64) -> f64 {
+    let pair = mix(key ^ mix(dimension >> 1));
+    let shuffled = scrambled(index, pair as u32);
+    let point = match dimension & 1 {
+        0 => shuffled.reverse_bits(),
+        _ => second(shuffled),
+    };
+    let seed = mix(pair ^ (dimension & 1)) >> 32;
+    f64::from(scrambled(point, seed as u32)) * (1.0 / (1u64 << 32) as f64)
+}
+
+/// Sobol's second dimension in 32 bits, whose direction numbers are Pascal's triangle modulo 2. The first dimension is the
+/// number with its bits reversed.
+fn second(mut index: u32) -> u32 {
+    let mut direction = 1 << 31;
+    let mut point = 0;
+    while index != 0 {
+        if index & 1 == 1 {
+            point ^= direction;
+        }
+        index >>= 1;
+        direction ^= direction >> 1;
+    }
+    point
+}
+
+/// Owen's scrambling by a hash: each bit is flipped or not, depending on the bits above it alone, so that points that
+/// share an elementary interval go on sharing one (Owen, "Randomly permuted (t,m,s)-nets and (t,s)-sequences", 1995; the
+/// hash is that of Laine and Karras, 2011, as Burley has it).
+fn scrambled(x: u32, seed: u32) -> u32 {
+    let mut x = x.reverse_bits();
+    x = x.wrapping_add(seed);
+    for factor in [0x6c50_b47c_u32, 0xb82f_1e52, 0xc7af_e638, 0x8d22_f6e6] {
+        x ^= x.wrapping_mul(factor);
+    }
+    x.reverse_bits()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether each elementary interval of area 1/n holds one of the first n = 2^k points from `first` on, a multiple of n.
+    fn is_net(points: &[(f64, f64)]) -> bool {
+        let n = points.len();
+        let k = n.ilog2();
+        (0..=k).all(|across| {
+            let (columns, rows) = (1 << across, 1 << (k - across));
+            let mut held = vec![0; n];
+            for (x, y) in points {
+                let (column, row) = ((x * f64::from(columns)) as usize, (y * f64::from(rows)) as usize);
+                held[row * columns as usize + column] += 1;
+            }
+            held.iter().all(|count| *count == 1)
+        })
+    }
+
+    #[test]
+    fn every_power_of_two_of_points_is_a_net() {
+        for key in 0..20 {
+            let key = mix(key);
+            for pair in [0, 1, 5, 1 << 40] {
+                for (k, first) in [(0, 0), (3, 0), (4, 16), (6, 64), (8, 0), (8, 256)] {
+                    let points: Vec<(f64, f64)> = (first..first + (1 << k))
+                        .map(|i| (number(key, i, 2 * pair), number(key, i, 2 * pair + 1)))
+                        .collect();
+                    assert!(is_net(&points), "2^{k} points from {first}");
+                }
+            }
+        }
+        // A test that could not fail would say nothing.
+        assert!(!is_net(&[(0.1, 0.1), (0.2, 0.2)]));
+    }
+
+    #[test]
+    fn scrambling_flips_bits_by_those_above_them() {
+        for seed in [1, 77, 0x8000_0000, u32::MAX] {
+            for x in [0, 1, 0x1234_5678, 0xffff_0000] {
+                for bit in 0..32 {
+                    let flipped = scrambled(x, seed) ^ scrambled(x ^ (1 << bit), seed);
+                    assert_eq!(flipped >> bit, 1, "bit {bit} of {x:x}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn pixels_and_dimensions_are_even_and_apart() {
+        let mean = |f: &dyn Fn(u64) -> f64| (0..4096).map(f).sum::<f64>() / 4096.0;
+        assert!(
+            (mean(&|i| number(mix(i), 0, 0)) - 0.5).abs() < 0.02,
+            "over pixels"
+        );
+        assert!((mean(&|i| number(7, 3, i)) - 0.5).abs() < 0.02, "over dimensions");
+        let product = mean(&|i| (number(mix(i), 0, 0) - 0.5) * (number(mix(i), 0, 1) - 0.5));
+        assert!(product.abs() < 0.005, "{product}");
+        let product = mean(&|i| (number(mix(i), 5, 0) - 0.5) * (number(mix(i), 5, 2) - 0.5));
+        assert!(product.abs() < 0.005, "{product}");
+    }
+}

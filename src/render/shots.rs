@@ -1,0 +1,289 @@
+//! Which ray each sample of a pixel sends into the scene, and what it counts for.
+
+use super::{
+    filter::Places,
+    sampler::{LENS, Sampler, permuted, stratified},
+    world::Probe,
+};
+use crate::{
+    color::Color,
+    scene::{Camera, CameraFrame, Eye, Region, Sampling, Settings},
+};
+
+/// The camera rays of a picture.
+#[derive(Debug)]
+pub(super) struct Shots<'s> {
+    settings: &'s Settings,
+    frame: CameraFrame,
+    /// The first column and row of the part that is rendered.
+    corner: (u32, u32),
+    filter: Option<Places>,
+    /// A pinhole, with strata of the pixel itself for samples, all of them.
+    pub(super) is_plain: bool,
+}
+
+/// A camera ray.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shot {
+    /// The ray; `None` where the camera sees nothing, which is black.
+    pub(super) probe: Option<Probe>,
+    /// The random numbers of its path.
+    pub(super) sampler: Sampler,
+    /// What it counts for in each channel.
+    pub(super) weight: Color,
+}
+
+impl<'s> Shots<'s> {
+    /// The rays for a picture of the size and with the samples that `settings` says.
+    pub(super) fn new(camera: &Camera, settings: &'s Settings) -> Self {
+        let region = settings.region();
+        Self {
+            settings,
+            frame: camera.frame(settings.width, settings.height),
+            corner: (region.x, region.y),
+            filter: Places::new(&settings.filter),
+            is_plain: camera.is_plain()
+                && settings.sampling == Sampling::Stratified
+                && settings.filter.is_pixel()
+                && settings.adaptive.is_none(),
+        }
+    }
+
+    /// Rays of a pixel, where it has all its samples.
+    pub(super) fn count(&self) -> u32 {
+        self.samples().saturating_mul(self.eyes())
+    }
+
+    /// Samples of a pixel, at the most.
+    pub(super) fn samples(&self) -> u32 {
+        self.settings.samples
+    }
+
+    /// Rays of a sample.
+    pub(super) fn eyes(&self) -> u32 {
+        self.frame.eyes().len() as u32
+    }
+
+    /// The whole picture, counted from the first pixel of the part that is rendered, which may come after others:
+    /// numbers wrap around.
+    pub(super) fn whole(&self) -> Region {
+        Region {
+            x: self.corner.0.wrapping_neg(),
+            y: self.corner.1.wrapping_neg(),
+            width: self.settings.width,
+            height: self.settings.height,
+        }
+    }
+
+    /// The ray of a pixel's sample where [`Shots::is_plain`]; of the pixel in this column and row of the part that is
+    /// rendered.
+    #[inline(always)]
+    pub(super) fn plain(&self, (x, y): (u32, u32), index: u32) -> (Probe, Sampler) {
+        let (x, y) = (self.corner.0 + x, self.corner.1 + y);
+        let sampler = Sampler::new(self.settings.seed, x, y, index);
+        let (dx, dy) = stratified(index, self.settings.samples, |dimension| sampler.get(dimension));
+        let ray = self.frame.pinhole(f64::from(x) + dx, f64::from(y) + dy);
+        (Probe::from_space(ray), sampler)
+    }
+
+    /// The ray with this number of a pixel, below [`Shots::count`].
+    pub(super) fn shot(&self, pixel: (u32, u32), index: u32) -> Shot {
+        if self.is_plain {
+            let (probe, sampler) = self.plain(pixel, index);
+            return Shot {
+                probe: Some(probe),
+                sampler,
+                weight: Color::ONE,
+            };
+        }
+        self.any(pixel, index)
+    }
+
+    fn any(&self, (x, y): (u32, u32), number: u32) -> Shot {
+        let s = self.settings;
+        let (x, y) = (self.corner.0.wrapping_add(x), self.corner.1.wrapping_add(y));
+        let eyes = self.frame.eyes();
+        let (mut index, eye) = (
+            number / eyes.len() as u32,
+            eyes.get(number as usize % eyes.len())
+                .copied()
+                .unwrap_or_default(),
+        );
+        // The same for all samples of the pixel.
+        let key = Sampler::new(s.seed, x, y, u32::MAX);
+        let (sampler, place, aperture);
+        match s.sampling {
+            Sampling::Stratified => {
+                if s.adaptive.is_some() {
+                    // The first strata are in one corner of the pixel; some of them must do for all of it.
+                    index = permuted(index, s.samples, key.bits(0));
+                }
+                sampler = Sampler::new(s.seed, x, y, index);
+                place = stratified(index, s.samples, |dimension| sampler.get(dimension));
+                aperture = self.frame.has_lens().then(|| {
+                    // Samples that lie beside each other in the pixel need not do so in the lens.
+                    let stratum = permuted(index, s.samples, key.bits(LENS));
+                    in_stratum(stratum, s.samples, |axis| sampler.get(LENS + axis))
+                });
+            }
+            Sampling::Sobol => {
+                sampler = Sampler::in_net(s.seed, x, y, index);
+                place = match s.samples {
+                    1 => (0.5, 0.5),
+                    _ => (sampler.get(0), sampler.get(1)),
+                };
+                aperture = self
+                    .frame
+                    .has_lens()
+                    .then(|| (sampler.get(LENS), sampler.get(LENS + 1)));
+            }
+        }
+        let ((dx, dy), sign) = match &self.filter {
+            None => (place, 1.0),
+            Some(filter) => {
+                let ((dx, a), (dy, b)) = (filter.place(place.0), filter.place(place.1));
+                ((dx + 0.5, dy + 0.5), a * b)
+            }
+        };
+        let place = [f64::from(x) + dx, f64::from(y) + dy];
+        let ray = self.frame.shot(place, eye, aperture.map(|(u, v)| [u, v]));
+        Shot {
+            probe: ray.map(Probe::from_space),
+            sampler,
+            weight: sign
+                * match eye {
+                    Eye::Middle => Color::ONE,
+                    Eye::Left => Color::X,
+                    Eye::Right => Color::new(0.0, 1.0, 1.0),
+                },
+        }
+    }
+}
+
+/// As [`stratified`], with a random place for a single sample as well.
+fn in_stratum(index: u32, count: u32, random: impl Fn(u64) -> f64) -> (f64, f64) {
+    match count {
+        0 | 1 => (random(0), random(1)),
+        _ => stratified(index, count, random),
+    }
+}
+
+/// The mean of a pixel's samples, each with its weight, summed in their order.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Mean {
+    sum: Color,
+    weights: Color,
+    /// The same with all weights taken to be positive.
+    unsigned: Color,
+    sizes: Color,
+}
+
+impl Mean {
+    /// Adds a sample.
+    pub(super) fn add(&mut self, light: Color, weight: Color) {
+        let size = weight.abs();
+        self.sum += weight * light;
+        self.weights += weight;
+        self.unsigned += size * light;
+        self.sizes += size;
+    }
+
+    /// The mean: of one color, that color. Where a few samples happen to lie where the filter is below 0, and all but
+    /// cancel the others, their signs are left out.
+    pub(super) fn value(&self) -> Color {
+        if self.weights.cmplt(self.sizes * 0.5).any() {
+            return self.unsigned / self.sizes;
+        }
+        self.sum / self.weights
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        math::DVec3,
+        scene::{Adaptive, Filter, FilterKind},
+    };
+
+    #[test]
+    fn every_filter_keeps_a_color() {
+        let color = Color::new(0.25, 0.5, 3.0);
+        for (_, kind) in FilterKind::NAMES {
+            for samples in [1, 2, 3, 16, 64] {
+                for sampling in [Sampling::Stratified, Sampling::Sobol] {
+                    let settings = Settings {
+                        samples,
+                        sampling,
+                        filter: Filter::new(kind),
+                        ..Settings::default()
+                    };
+                    let shots = Shots::new(&Camera::default(), &settings);
+                    for x in 0..50 {
+                        let mut mean = Mean::default();
+                        for index in 0..samples {
+                            mean.add(color, shots.shot((x, 7), index).weight);
+                        }
+                        assert!((mean.value() - color).abs().max_element() < 1e-14, "{kind:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_filter_of_a_pixel_is_what_there_always_was() {
+        let settings = Settings {
+            samples: 7,
+            ..Settings::default()
+        };
+        let shots = Shots::new(&Camera::default(), &settings);
+        let wide = Settings {
+            filter: Filter {
+                radius: 0.75,
+                ..Filter::default()
+            },
+            ..settings.clone()
+        };
+        let wide = Shots::new(&Camera::default(), &wide);
+        assert!(shots.is_plain && !wide.is_plain);
+        let any = |pixel, index| shots.any(pixel, index).probe.unwrap().ray;
+        for index in 0..7 {
+            assert_eq!(shots.plain((5, 9), index).0.ray, any((5, 9), index));
+            assert_ne!(wide.shot((5, 9), index).probe.unwrap().ray, any((5, 9), index));
+        }
+    }
+
+    #[test]
+    fn adaptive_samples_are_those_of_the_pixel_in_another_order() {
+        let rays = |sampling, adaptive| {
+            let settings = Settings {
+                samples: 16,
+                sampling,
+                adaptive,
+                ..Settings::default()
+            };
+            let shots = Shots::new(&Camera::default(), &settings);
+            let dir = |index| shots.shot((40, 30), index).probe.unwrap().ray.dir;
+            (0..16).map(|index| dir(index).to_array()).collect::<Vec<_>>()
+        };
+        let adaptive = Some(Adaptive { error: 0.1, min: 4 });
+        for sampling in [Sampling::Stratified, Sampling::Sobol] {
+            let (mut fixed, mut other) = (rays(sampling, None), rays(sampling, adaptive));
+            // The first four lie all over the pixel.
+            let middle = DVec3::from_array(
+                fixed
+                    .iter()
+                    .fold([0.0; 3], |sum, d| [0, 1, 2].map(|i| sum[i] + d[i] / 16.0)),
+            );
+            assert_eq!(fixed == other, sampling == Sampling::Sobol);
+            if sampling == Sampling::Sobol {
+                let left = other[..4].iter().filter(|d| d[0] < middle.x).count();
+                assert_eq!(left, 2);
+            }
+            fixed.sort_by(|a, b| a.partial_cmp(b).unwrap());
+            other.sort_by(|a, b| a.partial_cmp(b).unwrap());
+            assert_eq!(fixed, other);
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! Pixels of a tile whose camera rays are traced together.
+
+#![allow(
+    clippy::indexing_slicing,
+    reason = "a buffer has room for the packet it is made for"
+)]
+
+use super::{
+    integrator::{self, Counts, Stack},
+    interrupt::Interrupt,
+    shots::{Mean, Shot, Shots},
+    world::{PACKET, Probe, World},
+};
+use crate::color::Color;
+
+/// Samples of one pixel between two looks at the interrupt.
+const SAMPLES_PER_POLL: u32 = 16;
+
+/// Pixels whose camera rays are traced together.
+pub(super) struct Square<'a> {
+    pub(super) world: &'a World<'a>,
+    pub(super) shots: &'a Shots<'a>,
+    pub(super) interrupt: &'a Interrupt<'a>,
+    /// The pixel in its upper left corner.
+    pub(super) at: (u32, u32),
+    /// Columns and rows.
+    pub(super) size: (u32, u32),
+}
+
+impl Square<'_> {
+    /// Calls `visit` with each pixel's place, counted row by row, and the mean of its samples, summed in order.
+    pub(super) fn trace(&self, stack: &mut Stack, counts: &mut Counts, mut visit: impl FnMut(u32, Color)) {
+        if !self.shots.is_plain {
+            return self.trace_any(stack, counts, &mut visit);
+        }
+        let samples = self.shots.count();
+        let pixels = self.size.0 * self.size.1;
+        let mut sums = [Color::ZERO; PACKET];
+        let at_once = (PACKET as u32 / pixels.max(1)).max(1);
+        for first in (0..samples).step_by(at_once as usize) {
+            let indices = first..samples.min(first + at_once);
+            let count = (indices.end - indices.start) as usize;
+            let shot = |i: usize| {
+                self.shots
+                    .plain(self.place((i / count) as u32), first + (i % count) as u32)
+            };
+            let (probe, sampler) = shot(0);
+            let (mut probes, mut samplers) = ([probe; PACKET], [sampler; PACKET]);
+            let len = PACKET.min(pixels as usize * count);
+            for i in 1..len {
+                (probes[i], samplers[i]) = shot(i);
+            }
+            let mut hits = [None; PACKET];
+            let hits = &mut hits[..len];
+            self.world.nearest_many(&probes[..len], f64::INFINITY, hits);
+            for (((probe, sampler), hit), i) in probes.iter().zip(&samplers).zip(hits).zip(0..) {
+                let index = first + (i % count) as u32;
+                if index % SAMPLES_PER_POLL == SAMPLES_PER_POLL - 1 && self.interrupt.poll() {
+                    return;
+                }
+                let seen = (*probe, *hit);
+                let light =
+                    integrator::radiance(self.world, seen, *sampler, self.interrupt, stack, counts, &mut ());
+                sums[i / count] += light;
+            }
+        }
+        for (sum, i) in sums.into_iter().zip(0..pixels) {
+            visit(i, sum / f64::from(samples));
+        }
+    }
+
+    /// The place of a pixel of the square.
+    fn place(&self, pixel: u32) -> (u32, u32) {
+        (self.at.0 + pixel % self.size.0, self.at.1 + pixel / self.size.0)
+    }
+
+    /// As [`Square::trace`], for cameras and samples of every kind.
+    #[cold]
+    #[inline(never)]
+    fn trace_any(&self, stack: &mut Stack, counts: &mut Counts, visit: &mut dyn FnMut(u32, Color)) {
+        let pixels = self.size.0 * self.size.1;
+        let mut means = [Mean::default(); PACKET];
+        let count = self.shots.count();
+        let all = (0..pixels).flat_map(|pixel| (0..count).map(move |index| (pixel, index)));
+        let is_done = self.rays(all, stack, counts, &mut |pixel, light, weight| {
+            means[pixel as usize].add(light, weight);
+        });
+        if is_done {
+            for (mean, i) in means.iter().zip(0..pixels) {
+                visit(i, mean.value());
+            }
+        }
+    }
+
+    /// Traces rays, each given by its pixel and its number there, and calls `seen` with each pixel, the light and what
+    /// it counts for, in this order. False where it was stopped.
+    fn rays(
+        &self,
+        mut which: impl Iterator<Item = (u32, u32)>,
+        stack: &mut Stack,
+        counts: &mut Counts,
+        seen: &mut dyn FnMut(u32, Color, Color),
+    ) -> bool {
+        let mut since_poll = 0;
+        let mut shots: Vec<(u32, Shot)> = Vec::with_capacity(PACKET);
+        let mut probes: Vec<Probe> = Vec::with_capacity(PACKET);
+        let mut hits = [None; PACKET];
+        loop {
+            shots.clear();
+            probes.clear();
+            for (pixel, index) in which.by_ref().take(PACKET) {
+                let shot = self.shots.shot(self.place(pixel), index);
+                probes.extend(shot.probe);
+                shots.push((pixel, shot));
+            }
+            if shots.is_empty() {
+                return true;
+            }
+            self.world
+                .nearest_many(&probes, f64::INFINITY, &mut hits[..probes.len()]);
+            let mut hits = hits.iter();
+            for (pixel, shot) in &shots {
+                since_poll += 1;
+                if since_poll % SAMPLES_PER_POLL == 0 && self.interrupt.poll() {
+                    return false;
+                }
+                let light = match (shot.probe, hits.as_slice()) {
+                    (Some(probe), [hit, ..]) => {
+                        hits.next();
+                        integrator::radiance(
+                            self.world,
+                            (probe, *hit),
+                            shot.sampler,
+                            self.interrupt,
+                            stack,
+                            counts,
+                            &mut (),
+                        )
+                    }
+                    _ => Color::ZERO,
+                };
+                seen(*pixel, light, shot.weight);
+            }
+        }
+    }
+}
