@@ -5,6 +5,7 @@
     reason = "the table has an entry for every interval from 0 to 1, which the value is clamped to"
 )]
 
+use super::Layer;
 use crate::{
     color::{Color, linear_from_srgb, srgb_from_linear},
     scene::Encoding,
@@ -17,6 +18,46 @@ pub struct Image {
     height: u32,
     encoding: Encoding,
     pixels: Vec<[f64; 3]>,
+    layers: Vec<Layer>,
+    file: FileOptions,
+}
+
+/// How a picture is written to a file, where that is left to choose.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FileOptions {
+    /// Bits of a channel: 8 or 16 of PNG and PPM, 16 or 32 of EXR; `None` is 8 and 32.
+    pub bits: Option<u8>,
+    /// Quality of a JPEG, from 1 to 100; `None` is 95.
+    pub quality: Option<u8>,
+}
+
+impl FileOptions {
+    /// Whether a file of this name can have them, where the ending is known.
+    ///
+    /// # Errors
+    /// What is wrong, in words.
+    pub fn check(&self, name: &str) -> Result<(), String> {
+        let ending = name.rsplit('.').next().unwrap_or_default().to_ascii_lowercase();
+        let (known, said): (&[u8], _) = match ending.as_str() {
+            "png" | "ppm" => (&[8, 16], "8 or 16"),
+            "exr" => (&[16, 32], "16 or 32"),
+            "jpg" | "jpeg" => (&[8], "8"),
+            "hdr" | "pfm" => (&[32], "32"),
+            _ => return Ok(()),
+        };
+        if let Some(bits) = self.bits.filter(|bits| !known.contains(bits)) {
+            return Err(format!("a .{ending} has {said} bits, not {bits}"));
+        }
+        match self.quality {
+            Some(_) if !ending.starts_with('j') => Err(format!(
+                "a .{ending} has no quality: it loses nothing to choose from"
+            )),
+            Some(quality) if !(1..=100).contains(&quality) => {
+                Err(format!("the quality must lie between 1 and 100, not {quality}"))
+            }
+            _ => Ok(()),
+        }
+    }
 }
 
 impl Image {
@@ -29,7 +70,50 @@ impl Image {
             height,
             encoding,
             pixels,
+            layers: Vec::new(),
+            file: FileOptions::default(),
         }
+    }
+
+    /// The same picture with these layers beside it, each of as many pixels.
+    #[must_use]
+    pub fn with_layers(mut self, layers: Vec<Layer>) -> Self {
+        self.layers = layers;
+        self
+    }
+
+    /// The same picture, to be written like this.
+    #[must_use]
+    pub const fn with_file_options(mut self, file: FileOptions) -> Self {
+        self.file = file;
+        self
+    }
+
+    /// What else it holds of each pixel: what [`RenderOptions::layers`](super::RenderOptions::layers) asked for.
+    #[must_use]
+    pub fn layers(&self) -> &[Layer] {
+        &self.layers
+    }
+
+    /// How it is to be written to files.
+    #[must_use]
+    pub const fn file_options(&self) -> FileOptions {
+        self.file
+    }
+
+    /// The picture in 16 bits per channel, `width * height * 3` numbers RGB, rows from the top, by its encoding.
+    #[must_use]
+    pub fn rgb16(&self) -> Vec<u16> {
+        let channels = self.pixels.as_flattened().iter();
+        channels
+            .map(|&v| {
+                let v = if v > 0.0 { v.min(1.0) } else { 0.0 };
+                match self.encoding {
+                    Encoding::Srgb => (srgb_from_linear(v) * 65535.0 + 0.5) as u16,
+                    Encoding::Raw => (v * 65535.0) as u16,
+                }
+            })
+            .collect()
     }
 
     /// Pixels across.

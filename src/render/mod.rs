@@ -12,6 +12,7 @@ mod filter;
 mod inspect;
 mod integrator;
 mod interrupt;
+mod layers;
 mod lighting;
 mod microfacet;
 mod observe;
@@ -26,8 +27,9 @@ mod tiles;
 mod world;
 
 pub use compiled::Compiled;
-pub use film::{Image, quantize};
+pub use film::{FileOptions, Image, quantize};
 pub use inspect::{inspect, unanswered};
+pub use layers::{Layer, LayerKind};
 pub use observe::RayKind;
 pub use world::{KeptTrees, RayHit, World};
 
@@ -70,6 +72,8 @@ pub struct RenderOptions {
     /// Rays of every kind that the picture may take, [`RenderStats::rays`]; `None` is any number. Whether a picture
     /// stays within it depends on the scene alone.
     pub rays: Option<u64>,
+    /// What else the picture is to hold of each pixel, [`Image::layers`].
+    pub layers: Vec<LayerKind>,
     /// What earlier pictures of the same run took of both.
     pub(crate) spent: Spent,
 }
@@ -248,6 +252,13 @@ fn render_here(
         false => Ok(()),
     };
     let traced = coarse.and_then(|()| tiles::trace(&world, &scene.settings, options, host, interrupt));
+    let traced = match options.layers.as_slice() {
+        [] => traced,
+        kinds => traced.and_then(|(image, counts)| {
+            world.uv_everywhere = true;
+            Ok((image.with_layers(layers::layers(&world, kinds, host)?), counts))
+        }),
+    };
     let (primitives, world_bytes) = (world.primitives(), world.bytes());
     if let Ok((image, _)) = &traced {
         warnings.extend(inspect::after(&world, image, &warnings));

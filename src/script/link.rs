@@ -17,7 +17,7 @@ use scoped_tls_hkt::scoped_thread_local;
 use crate::{
     diag::{Error, ErrorKind, Report},
     host::{Host, HostError},
-    render::{Image, RenderOptions, Rendered, Spent, render},
+    render::{Image, LayerKind, RenderOptions, Rendered, Spent, render},
     scene::Scene,
 };
 
@@ -28,8 +28,10 @@ const POLL: Duration = Duration::from_millis(5);
 pub(crate) type RenderResult = Result<Report<Rendered>, Error>;
 
 /// What a script's render may take, and what those before took of it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct RenderLimits {
+    /// What else the picture is to hold.
+    pub(crate) layers: Vec<LayerKind>,
     pub(crate) time: Option<Duration>,
     pub(crate) rays: Option<u64>,
     pub(crate) spent: Spent,
@@ -186,6 +188,7 @@ impl Caller<'_> {
                 options.render_time = options.render_time.into_iter().chain(limits.time).min();
                 options.rays = options.rays.into_iter().chain(limits.rays).min();
                 options.spent = limits.spent;
+                options.layers = limits.layers;
                 let result = render(&scene, &options, self.host);
                 drop(reply.send((scene, result)));
             }

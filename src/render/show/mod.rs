@@ -1,7 +1,7 @@
 //! Pictures of something else than light: normals, texture coordinates, depth, which object, which line, what it costs.
 
 mod cost;
-mod ramp;
+pub(super) mod ramp;
 
 pub use cost::{PixelCost, costs};
 

@@ -3,7 +3,7 @@
 use crate::color::Color;
 
 /// A color for a number, far from those of most others: the hue goes around the circle by the number.
-pub(super) fn distinct(key: u64) -> Color {
+pub(in crate::render) fn distinct(key: u64) -> Color {
     let part = |shift: u32| (key >> shift & 0xffff) as f64 / 65_536.0;
     let (hue, saturation, value) = (6.0 * part(0), 0.45 + 0.45 * part(16), 0.55 + 0.45 * part(32));
     // From hue, saturation and value (Smith, "Color gamut transform pairs", 1978).

@@ -2,11 +2,15 @@
 
 use std::sync::Arc;
 
-use rhai::{Dynamic, FuncRegistration, Module};
+use rhai::{Array, Dynamic, FuncRegistration, Module};
 
-use super::{int, string};
+use super::{
+    int, map, string,
+    views::{one_of, options},
+};
 use crate::{
     diag::ErrorKind,
+    render::{FileOptions, LayerKind},
     scene::{ImageTexture, Region, Texels},
     script::{
         Picture,
@@ -22,10 +26,14 @@ pub(super) const ENTRIES: &[Entry] = &[
     Entry::scene(Group::Output, "render", render)
         .takes(&[
             &[],
-            &[string("name", "the file, its format chosen by the ending")],
+            &[string("name", "the file, its format chosen by the ending: .png, .jpg, .ppm, .exr, .hdr or .pfm")],
+            &[
+                string("name", "the file, its format chosen by the ending: .png, .jpg, .ppm, .exr, .hdr or .pfm"),
+                map("options", "bits: 8 or 16 for .png and .ppm, 16 or 32 for .exr; quality: 1 to 100 for .jpg; layers: an array of \"depth\", \"normal\", \"albedo\", \"uv\", \"object\", \"line\"").keys(&["bits", "quality", "layers"]),
+            ],
         ])
         .returns("image")
-        .doc("Renders the scene built so far and returns the picture, which can be looked at, or used as a texture; with a name, writes it too. A script that never calls it is rendered once when it ends.")
+        .doc("Renders the scene built so far and returns the picture, which can be looked at, or used as a texture; with a name, writes it too. A script that never calls it is rendered once when it ends. Layers are channels of an .exr, named as depth.Z; other formats get files beside the picture, name.depth.png. Files .exr, .hdr and .pfm hold linear light. Only a .png of 8 bits carries the script that it was made from, for rtscript verify and rerun.")
         .usage("render(\"picture.png\")")
         .example("size(160, 120);\nbackground(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.8, 0.25, 0.15);\nsphere(0.6, 0.3, 0, 1.2);\nlet picture = render();          // the scene so far, on a screen of its own\nbackground(\"#f3dcb0\");\nambient(0, 0, 0); diffuse(0, 0, 0); emission(picture);\nmesh(#{\n  positions: [[-1.6, -1.1, 1], [0, -1.1, 1], [0, 0.1, 1], [-1.6, 0.1, 1]],\n  uvs: [[0, 0], [1, 0], [1, 1], [0, 1]],\n  indices: [0, 1, 2, 0, 2, 3],\n});\nrender();")
         .also(&["draw", "save", "output", "write", "trace"]),
@@ -46,7 +54,11 @@ fn render(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
         0 => None,
         _ => Some(call.string("name")?),
     };
+    let (file, layers) = file_options(call)?;
     call.end()?;
+    if let Some(name) = &name {
+        file.check(name).map_err(|why| call.error(why))?;
+    }
     if name.as_ref().is_some_and(|n| n.trim().is_empty()) {
         return Err(call
             .error("name must not be empty")
@@ -68,6 +80,7 @@ fn render(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     let clock = Clock::start();
     // Where no scene comes back, nobody is left who could render, and the run is over.
     let limits = RenderLimits {
+        layers: if state.dry { Vec::new() } else { layers },
         time: state.limits.render_time,
         rays: state.limits.rays,
         spent: state.spent,
@@ -87,7 +100,7 @@ fn render(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     if !state.dry {
         state.warnings.extend(report.warnings);
     }
-    let image = Arc::new(report.value.image);
+    let image = Arc::new(report.value.image.with_file_options(file));
     if let Some(name) = &name {
         state.host.write_shared(name, &image)?;
     }
@@ -108,6 +121,39 @@ fn render(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
         stats: report.value.stats,
     });
     Ok(Dynamic::from(value))
+}
+
+/// How the picture is to be written, and what else it is to hold.
+fn file_options(call: &mut Call<'_, '_>) -> Outcome<(FileOptions, Vec<LayerKind>)> {
+    let (mut file, mut layers) = (FileOptions::default(), Vec::new());
+    let Some(options) = options(call, &["bits", "quality", "layers"])? else {
+        return Ok((file, layers));
+    };
+    let byte = |key: &str| {
+        let Some(d) = options.get(key) else {
+            return Ok(None);
+        };
+        let n = call.number_from(key, d)?;
+        match n.trunc() == n && (0.0..256.0).contains(&n) {
+            true => Ok(Some(n as u8)),
+            false => Err(call.error(format!("{key} must be a whole number, as 8 or 16, not {n}"))),
+        }
+    };
+    (file.bits, file.quality) = (byte("bits")?, byte("quality")?);
+    if let Some(given) = options.get("layers") {
+        let Some(names) = given.read_lock::<Array>() else {
+            return Err(call.wrong_kind("layers", "an array of names", given));
+        };
+        for name in names.iter() {
+            let text = name.clone().into_immutable_string();
+            let text = text.map_err(|_| call.wrong_kind("layers", "an array of names", name))?;
+            let kind = one_of(call, "a layer", &text, &LayerKind::NAMES)?;
+            if !layers.contains(&kind) {
+                layers.push(kind);
+            }
+        }
+    }
+    Ok((file, layers))
 }
 
 #[cold]
