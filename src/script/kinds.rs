@@ -9,6 +9,8 @@ pub enum Group {
     Transform,
     /// Shapes.
     Shapes,
+    /// Solids as fields.
+    Fields,
     /// The material state and textures.
     Materials,
     /// Meshes and pictures from files and arrays.
@@ -35,10 +37,11 @@ pub enum Group {
 
 impl Group {
     /// All groups, in the order of the reference.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Camera,
         Self::Transform,
         Self::Shapes,
+        Self::Fields,
         Self::Materials,
         Self::Assets,
         Self::Lights,
@@ -59,6 +62,7 @@ impl Group {
             Self::Camera => "Picture and camera",
             Self::Transform => "Transformations and blocks",
             Self::Shapes => "Shapes",
+            Self::Fields => "Distance fields and isosurfaces",
             Self::Materials => "Materials and colors",
             Self::Assets => "Meshes and pictures from files",
             Self::Lights => "Lights",
@@ -90,6 +94,10 @@ impl Group {
                 "All but spheres, triangles and polygons are centered at the origin with their axis along Y, and without \
                  arguments as large as the unit cube, so that scale(w, h, d) gives their size. Any of them may be \
                  moved, turned, stretched and sheared. Surfaces are seen from both sides."
+            }
+            Self::Fields => {
+                "Solids told by a number at every point, negative inside, about the distance outside. They are values: made, \
+                 moved, bent, joined by | & and - or blended, and seen once isosurface(solid) makes a shape of them."
             }
             Self::Materials => {
                 "The material is a state: it counts for all shapes made from now on, and group { } restores it. A point \
@@ -164,6 +172,10 @@ pub enum Kind {
     Curve,
     /// A function: `|x| x + 1` or `Fn("name")`.
     Function,
+    /// A solid as a field.
+    Sdf,
+    /// A field, or a function of the coordinates.
+    Field,
     /// A block of statements.
     Block,
     /// A number, a string, true or false.
@@ -172,7 +184,7 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds, in the order of the reference.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 18] = [
         Self::Number,
         Self::Int,
         Self::Vec3,
@@ -187,6 +199,8 @@ impl Kind {
         Self::Stream,
         Self::Curve,
         Self::Function,
+        Self::Sdf,
+        Self::Field,
         Self::Block,
         Self::Any,
     ];
@@ -215,6 +229,8 @@ impl Kind {
             Self::Stream => "random stream",
             Self::Curve => "curve",
             Self::Function => "Fn",
+            Self::Sdf => "sdf",
+            Self::Field => "field | function",
             Self::Block => "block",
             Self::Any => "any",
         }
@@ -243,6 +259,13 @@ impl Kind {
             Self::Stream => "What randomStream(name) returns.",
             Self::Curve => "What catmullRom(points) or bezier(points) returns.",
             Self::Function => "A function: |x| x * 2, or Fn(\"name\") for one that the script defines.",
+            Self::Sdf => {
+                "A solid as a distance field: what sdfSphere(radius) and its like return, joined by | & and -."
+            }
+            Self::Field => {
+                "A function |x, y, z| of the coordinates, called once with fields in their place, which + - * / ** and the \
+                 functions sin, cos, sqrt, abs, min, max and noise take; or a field, a number, a solid."
+            }
             Self::Block => "Statements in braces.",
             Self::Any => "A number, a string, true or false.",
         }

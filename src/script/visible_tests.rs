@@ -46,6 +46,8 @@ fn types() -> Vec<(&'static str, TypeId)> {
         ("i128", TypeId::of::<i128>()),
         ("u128", TypeId::of::<u128>()),
         ("f32", TypeId::of::<f32>()),
+        ("sdf", TypeId::of::<crate::shape::Sdf>()),
+        ("field", TypeId::of::<crate::shape::Field>()),
     ]
 }
 

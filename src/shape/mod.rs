@@ -16,10 +16,11 @@ mod disk;
 mod planar;
 mod plane;
 mod polygon;
+mod sdf;
 mod span;
 mod sphere;
 #[cfg(test)]
-mod suite;
+pub(crate) mod suite;
 mod torus;
 pub mod triangle;
 pub(crate) mod triangles;
@@ -33,6 +34,7 @@ pub use cylinder::Cylinder;
 pub use disk::Disk;
 pub use plane::Plane;
 pub use polygon::Polygon;
+pub use sdf::{Field, Isosurface, Sdf};
 pub use sphere::Sphere;
 pub use torus::Torus;
 pub use triangulate::triangulate;
@@ -151,6 +153,8 @@ shapes! {
     Plane(Plane) = "plane";
     /// See [`Polygon`].
     Polygon(Arc<Polygon>) = "polygon";
+    /// See [`Isosurface`].
+    Isosurface(Arc<Isosurface>) = "isosurface";
 }
 
 impl Shape {

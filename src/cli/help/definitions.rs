@@ -77,7 +77,7 @@ fn function(entry: &Entry, params: &[Param], spread: bool) -> String {
         .collect();
     let returns = match entry.returns {
         "nothing" => "()",
-        "int" | "float" | "vec3" | "image" | "texture" => entry.returns,
+        "int" | "float" | "vec3" | "image" | "texture" | "sdf" => entry.returns,
         "map" => "Map",
         _ => "?",
     };
@@ -101,6 +101,13 @@ fn type_name(kind: Kind) -> &'static str {
         Kind::Stream => "random stream",
         Kind::Curve => "curve",
         Kind::Function => "Fn",
-        Kind::Color | Kind::Term | Kind::NumberOrVec3 | Kind::List | Kind::Block | Kind::Any => "?",
+        Kind::Sdf => "sdf",
+        Kind::Color
+        | Kind::Term
+        | Kind::NumberOrVec3
+        | Kind::List
+        | Kind::Field
+        | Kind::Block
+        | Kind::Any => "?",
     }
 }

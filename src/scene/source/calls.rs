@@ -4,12 +4,12 @@ use std::fmt::{self, Display};
 
 use crate::{
     color::Color,
-    math::DAffine3,
+    math::{Bounds3, DAffine3},
     scene::{
         Geometry, Object, Scene, Term,
         literal::{Components, Number, Text, Vector},
     },
-    shape::Shape,
+    shape::{Isosurface, Shape},
 };
 
 /// A term of a material.
@@ -93,8 +93,26 @@ impl Display for ShapeCall<'_> {
                 }
                 f.write_str("])")
             }
+            Shape::Isosurface(s) => write!(f, "{}", IsosurfaceCall(s)),
             // What only the program can make: read back, it is an unknown function, not another picture.
             Shape::Custom(s) => write!(f, "customShape({})", Text(&s.identity())),
         }
+    }
+}
+
+/// The call that makes an isosurface, its program step by step.
+struct IsosurfaceCall<'a>(&'a Isosurface);
+
+impl Display for IsosurfaceCall<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Bounds3 { min, max } = self.0.within();
+        let text = self.0.field().program();
+        write!(
+            f,
+            "isosurface({}, #{{ bounds: [{}, {}] }})",
+            Text(&text),
+            Vector(min),
+            Vector(max)
+        )
     }
 }

@@ -21,6 +21,7 @@ pub(super) mod params;
 mod patterns;
 mod queries;
 mod random;
+mod sdf;
 mod sequences;
 mod shapes;
 mod splines;
@@ -40,7 +41,7 @@ use rhai::Module;
 use super::table::{Entry, Kind, Param};
 
 /// Every list, in the order of the reference.
-pub(super) const ALL: [&[Entry]; 27] = [
+pub(super) const ALL: [&[Entry]; 28] = [
     edition::ENTRIES,
     camera::ENTRIES,
     views::ENTRIES,
@@ -48,6 +49,7 @@ pub(super) const ALL: [&[Entry]; 27] = [
     turning::ENTRIES,
     shapes::ENTRIES,
     csg::ENTRIES,
+    sdf::ENTRIES,
     materials::ENTRIES,
     colors::ENTRIES,
     finishes::ENTRIES,
@@ -82,6 +84,7 @@ pub(super) fn extend(module: &mut Module) {
     numbers::extend(module);
     strings::extend(module);
     functions::extend(module);
+    sdf::extend(module);
 }
 
 const fn number(name: &'static str, unit: &'static str, doc: &'static str) -> Param {

@@ -10,7 +10,7 @@ mod transforms;
 
 use std::sync::Arc;
 
-use super::{Cone, Crossing, Crossings, Cuboid, Cylinder, Disk, Plane, Polygon, Shape, Sphere, Torus};
+use super::{Cone, Crossing, Crossings, Cuboid, Cylinder, Disk, Plane, Polygon, Sdf, Shape, Sphere, Torus};
 use crate::math::{self, DMat3, DVec2, DVec3, PI, Ray, max_abs};
 
 /// Seeded random numbers: SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number
@@ -126,6 +126,7 @@ fn samples(s: f64) -> Vec<Shape> {
         Shape::Torus(Torus::new(s, s).unwrap()),
         Shape::Torus(Torus::new(s, 1e-3 * s).unwrap()),
         Shape::Plane(Plane),
+        Shape::Isosurface(Arc::new(Sdf::sphere(0.5 * s).unwrap().isosurface().unwrap())),
     ];
     let mut rng = Rng::new(7);
     for outline in outlines() {

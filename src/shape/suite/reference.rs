@@ -39,6 +39,8 @@ pub(super) fn distance(shape: &Shape, p: DVec3) -> f64 {
         Shape::Torus(t) => profile.distance(DVec2::new(t.major(), 0.0)) - t.minor(),
         Shape::Plane(Plane) => p.y.abs(),
         Shape::Polygon(polygon) => distance_to_polygon(polygon, p),
+        // Those among the samples are balls, whose fields are their distances.
+        Shape::Isosurface(surface) => surface.field().at(p),
         Shape::Custom(_) => panic!("none of ours"),
     }
 }
@@ -86,6 +88,6 @@ pub(super) fn edge_distance(shape: &Shape, p: DVec3) -> f64 {
         Shape::Disk(d) => ring(d.radius(), 0.0),
         Shape::Torus(t) if t.major() == t.minor() => p.length(),
         Shape::Polygon(polygon) => distance_to_edges(polygon.points(), p),
-        Shape::Sphere(_) | Shape::Torus(_) | Shape::Plane(_) => f64::INFINITY,
+        Shape::Sphere(_) | Shape::Torus(_) | Shape::Plane(_) | Shape::Isosurface(_) => f64::INFINITY,
     }
 }

@@ -1,0 +1,504 @@
+//! Fields: numbers that depend on the point, as flat programs.
+
+use std::{
+    collections::BTreeMap,
+    fmt,
+    ops::{Add, Div, Mul, Neg, Sub},
+    sync::Arc,
+};
+
+use super::scalar::Scalar;
+use crate::scene::SceneError;
+
+/// A step of a program; what it takes are results of steps before it.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Step {
+    /// A coordinate of the point.
+    Axis(u8),
+    Constant(f64),
+    Neg(u32),
+    Abs(u32),
+    Sqrt(u32),
+    Square(u32),
+    Sin(u32),
+    Cos(u32),
+    Pow(u32, f64),
+    /// See [`Scalar::wrap`]: period, most periods from 0.
+    Wrap(u32, f64, f64),
+    Add(u32, u32),
+    Sub(u32, u32),
+    Mul(u32, u32),
+    Div(u32, u32),
+    Min(u32, u32),
+    Max(u32, u32),
+    Noise(u32, u32, u32),
+}
+
+/// What tells steps apart, to the bit.
+type Key = (u8, u64, u64, u64);
+
+impl Step {
+    fn key(self) -> Key {
+        let int = u64::from;
+        match self {
+            Self::Axis(i) => (0, u64::from(i), 0, 0),
+            Self::Constant(x) => (1, x.to_bits(), 0, 0),
+            Self::Neg(a) => (2, int(a), 0, 0),
+            Self::Abs(a) => (3, int(a), 0, 0),
+            Self::Sqrt(a) => (4, int(a), 0, 0),
+            Self::Square(a) => (5, int(a), 0, 0),
+            Self::Sin(a) => (6, int(a), 0, 0),
+            Self::Cos(a) => (7, int(a), 0, 0),
+            Self::Pow(a, e) => (8, int(a), e.to_bits(), 0),
+            Self::Wrap(a, p, n) => (9, int(a), p.to_bits(), n.to_bits()),
+            Self::Add(a, b) => (10, int(a), int(b), 0),
+            Self::Sub(a, b) => (11, int(a), int(b), 0),
+            Self::Mul(a, b) => (12, int(a), int(b), 0),
+            Self::Div(a, b) => (13, int(a), int(b), 0),
+            Self::Min(a, b) => (14, int(a), int(b), 0),
+            Self::Max(a, b) => (15, int(a), int(b), 0),
+            Self::Noise(a, b, c) => (16, int(a), int(b), int(c)),
+        }
+    }
+
+    /// The same step on other results.
+    fn moved(self, to: impl Fn(u32) -> u32) -> Self {
+        match self {
+            Self::Axis(_) | Self::Constant(_) => self,
+            Self::Neg(a) => Self::Neg(to(a)),
+            Self::Abs(a) => Self::Abs(to(a)),
+            Self::Sqrt(a) => Self::Sqrt(to(a)),
+            Self::Square(a) => Self::Square(to(a)),
+            Self::Sin(a) => Self::Sin(to(a)),
+            Self::Cos(a) => Self::Cos(to(a)),
+            Self::Pow(a, e) => Self::Pow(to(a), e),
+            Self::Wrap(a, p, n) => Self::Wrap(to(a), p, n),
+            Self::Add(a, b) => Self::Add(to(a), to(b)),
+            Self::Sub(a, b) => Self::Sub(to(a), to(b)),
+            Self::Mul(a, b) => Self::Mul(to(a), to(b)),
+            Self::Div(a, b) => Self::Div(to(a), to(b)),
+            Self::Min(a, b) => Self::Min(to(a), to(b)),
+            Self::Max(a, b) => Self::Max(to(a), to(b)),
+            Self::Noise(a, b, c) => Self::Noise(to(a), to(b), to(c)),
+        }
+    }
+}
+
+impl Step {
+    /// A step from its text, which may take the results of `before` others.
+    fn read(text: &str, before: usize) -> Option<Self> {
+        let mut words = text.split(' ');
+        let name = words.next()?;
+        let arguments: Vec<&str> = words.collect();
+        let result = |i: usize| {
+            let index: u32 = arguments.get(i)?.parse().ok()?;
+            ((index as usize) < before).then_some(index)
+        };
+        let number = |i: usize| arguments.get(i)?.parse::<f64>().ok();
+        let count = match name {
+            "p0" | "p1" | "p2" => 0,
+            "neg" | "abs" | "sqrt" | "square" | "sin" | "cos" => 1,
+            "wrap" | "noise" => 3,
+            "pow" | "add" | "sub" | "mul" | "div" | "min" | "max" => 2,
+            _ => 0,
+        };
+        if arguments.len() != count {
+            return None;
+        }
+        Some(match name {
+            "p0" => Self::Axis(0),
+            "p1" => Self::Axis(1),
+            "p2" => Self::Axis(2),
+            "neg" => Self::Neg(result(0)?),
+            "abs" => Self::Abs(result(0)?),
+            "sqrt" => Self::Sqrt(result(0)?),
+            "square" => Self::Square(result(0)?),
+            "sin" => Self::Sin(result(0)?),
+            "cos" => Self::Cos(result(0)?),
+            "pow" => Self::Pow(result(0)?, number(1)?),
+            "wrap" => Self::Wrap(result(0)?, number(1)?, number(2)?),
+            "add" => Self::Add(result(0)?, result(1)?),
+            "sub" => Self::Sub(result(0)?, result(1)?),
+            "mul" => Self::Mul(result(0)?, result(1)?),
+            "div" => Self::Div(result(0)?, result(1)?),
+            "min" => Self::Min(result(0)?, result(1)?),
+            "max" => Self::Max(result(0)?, result(1)?),
+            "noise" => Self::Noise(result(0)?, result(1)?, result(2)?),
+            constant => Self::Constant(constant.parse().ok()?),
+        })
+    }
+}
+
+impl fmt::Debug for Step {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Axis(i) => write!(f, "p{i}"),
+            Self::Constant(x) => write!(f, "{x:?}"),
+            Self::Neg(a) => write!(f, "neg {a}"),
+            Self::Abs(a) => write!(f, "abs {a}"),
+            Self::Sqrt(a) => write!(f, "sqrt {a}"),
+            Self::Square(a) => write!(f, "square {a}"),
+            Self::Sin(a) => write!(f, "sin {a}"),
+            Self::Cos(a) => write!(f, "cos {a}"),
+            Self::Pow(a, e) => write!(f, "pow {a} {e:?}"),
+            Self::Wrap(a, p, n) => write!(f, "wrap {a} {p:?} {n:?}"),
+            Self::Add(a, b) => write!(f, "add {a} {b}"),
+            Self::Sub(a, b) => write!(f, "sub {a} {b}"),
+            Self::Mul(a, b) => write!(f, "mul {a} {b}"),
+            Self::Div(a, b) => write!(f, "div {a} {b}"),
+            Self::Min(a, b) => write!(f, "min {a} {b}"),
+            Self::Max(a, b) => write!(f, "max {a} {b}"),
+            Self::Noise(a, b, c) => write!(f, "noise {a} {b} {c}"),
+        }
+    }
+}
+
+/// A number that depends on the point, as an expression of its coordinates: `x * x + y * y - 1`.
+///
+/// It is a flat program without loops, of at most [`Field::MOST_STEPS`] steps; what several parts of an expression have
+/// in common is calculated once. Operators make programs of programs; one that would grow beyond the limit is NaN
+/// everywhere, which [`Isosurface::new`](super::Isosurface::new) refuses with the reason.
+///
+/// The square root and powers of negative numbers are 0.
+///
+/// ```
+/// use rtscript::{DVec3, shape::Field};
+/// let [x, y, z] = Field::point();
+/// let ball = (x.square() + y.square() + z.square()).sqrt() - 1.0;
+/// assert_eq!(ball.at(DVec3::new(3.0, 0.0, 4.0)), 4.0);
+/// ```
+#[derive(Clone, PartialEq)]
+pub struct Field {
+    steps: Arc<[Step]>,
+}
+
+impl fmt::Debug for Field {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.steps.iter()).finish()
+    }
+}
+
+/// Puts programs together.
+#[derive(Default)]
+struct Assembler {
+    steps: Vec<Step>,
+    known: BTreeMap<Key, u32>,
+}
+
+impl Assembler {
+    /// The result of a step, which is added where there is none like it.
+    fn step(&mut self, step: Step) -> u32 {
+        let steps = &mut self.steps;
+        *self.known.entry(step.key()).or_insert_with(|| {
+            steps.push(step);
+            steps.len() as u32 - 1
+        })
+    }
+
+    /// The result of a program at the point whose coordinates are results.
+    fn include(&mut self, field: &Field, point: Option<[u32; 3]>) -> u32 {
+        let mut results: Vec<u32> = Vec::with_capacity(field.steps.len());
+        for step in field.steps.iter() {
+            let result = match (step, point) {
+                (Step::Axis(i), Some(point)) => point.get(usize::from(*i)).copied().unwrap_or(0),
+                _ => self.step(step.moved(|a| results.get(a as usize).copied().unwrap_or(0))),
+            };
+            results.push(result);
+        }
+        results.last().copied().unwrap_or(0)
+    }
+
+    fn finish(mut self, result: u32) -> Field {
+        // What is made of something too long is too long.
+        let is_none = |step: &Step| matches!(step, Step::Constant(x) if x.is_nan());
+        if self.steps.len() > Field::MOST_STEPS || self.steps.iter().any(is_none) {
+            return Field::constant(f64::NAN);
+        }
+        // The result stands last.
+        if result as usize + 1 != self.steps.len() {
+            let zero = self.step(Step::Constant(0.0));
+            self.steps.push(Step::Add(result, zero));
+        }
+        Field {
+            steps: self.steps.into(),
+        }
+    }
+}
+
+impl Field {
+    /// Steps of the longest program.
+    pub const MOST_STEPS: usize = 4096;
+
+    /// The coordinates of the point.
+    #[must_use]
+    pub fn point() -> [Self; 3] {
+        [0, 1, 2].map(|i| Self::of(Step::Axis(i)))
+    }
+
+    /// The same number everywhere.
+    #[must_use]
+    pub fn constant(x: f64) -> Self {
+        Self::of(Step::Constant(x))
+    }
+
+    fn of(step: Step) -> Self {
+        Self {
+            steps: Arc::new([step]),
+        }
+    }
+
+    /// The program as text, a step after the other: what [`Field::from_program`] reads back.
+    #[must_use]
+    pub fn program(&self) -> String {
+        let steps: Vec<String> = self.steps.iter().map(|step| format!("{step:?}")).collect();
+        steps.join("; ")
+    }
+
+    /// The field of a program's text.
+    ///
+    /// # Errors
+    /// Where it is no program: a step is unknown, or takes the result of one that does not come before it.
+    pub fn from_program(text: &str) -> Result<Self, SceneError> {
+        let mut steps = Vec::new();
+        for (i, text) in text.split("; ").enumerate() {
+            let step = Step::read(text, steps.len()).ok_or_else(|| {
+                SceneError::new(format!("step {i} of the field's program is none: {text:?}"))
+            })?;
+            if steps.len() == Self::MOST_STEPS {
+                return Err(SceneError::limit(
+                    "the field is too long a program",
+                    "steps of a field",
+                    Self::MOST_STEPS,
+                ));
+            }
+            steps.push(step);
+        }
+        Ok(Self { steps: steps.into() })
+    }
+
+    /// How many steps it takes.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// Never: the shortest is a constant.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.steps.is_empty()
+    }
+
+    /// The number, where it is the same everywhere.
+    #[must_use]
+    pub fn as_constant(&self) -> Option<f64> {
+        match *self.steps {
+            [Step::Constant(x)] => Some(x),
+            _ => None,
+        }
+    }
+
+    /// # Errors
+    /// Where it is not a program of the length that is allowed.
+    pub(super) fn check(&self) -> Result<(), SceneError> {
+        if self.as_constant().is_some_and(f64::is_nan) {
+            return Err(SceneError::limit(
+                "the field is too long an expression",
+                "steps of a field",
+                Self::MOST_STEPS,
+            ));
+        }
+        Ok(())
+    }
+
+    fn one(&self, step: impl Fn(u32) -> Step) -> Self {
+        let mut all = Assembler::default();
+        let a = all.include(self, None);
+        let result = all.step(step(a));
+        all.finish(result)
+    }
+
+    fn two(&self, other: &Self, step: impl Fn(u32, u32) -> Step) -> Self {
+        let mut all = Assembler::default();
+        let a = all.include(self, None);
+        let b = all.include(other, None);
+        let result = all.step(step(a, b));
+        all.finish(result)
+    }
+
+    /// The field of other points: `self` at the point with these coordinates.
+    #[must_use]
+    pub fn moved_to(&self, point: &[Self; 3]) -> Self {
+        let mut all = Assembler::default();
+        let at = [0, 1, 2].map(|i: usize| point.get(i).map_or(0, |field| all.include(field, None)));
+        let result = all.include(self, Some(at));
+        all.finish(result)
+    }
+
+    /// The square.
+    #[must_use]
+    pub fn square(&self) -> Self {
+        self.one(Step::Square)
+    }
+
+    /// The size, without the sign.
+    #[must_use]
+    pub fn abs(&self) -> Self {
+        self.one(Step::Abs)
+    }
+
+    /// The square root.
+    #[must_use]
+    pub fn sqrt(&self) -> Self {
+        self.one(Step::Sqrt)
+    }
+
+    /// The sine of an angle in radians.
+    #[must_use]
+    pub fn sin(&self) -> Self {
+        self.one(Step::Sin)
+    }
+
+    /// The cosine of an angle in radians.
+    #[must_use]
+    pub fn cos(&self) -> Self {
+        self.one(Step::Cos)
+    }
+
+    /// To the power of a number: products for whole ones up to 64, which also take negative fields.
+    #[must_use]
+    pub fn pow(&self, exponent: f64) -> Self {
+        if exponent < 0.0 {
+            return Self::constant(1.0) / self.pow(-exponent);
+        }
+        if exponent > 64.0 || exponent != exponent.trunc() {
+            return self.one(|a| Step::Pow(a, exponent));
+        }
+        let mut rest = exponent as u32;
+        let (mut result, mut power) = (None, self.clone());
+        while rest > 0 {
+            if rest % 2 == 1 {
+                result = Some(result.map_or_else(|| power.clone(), |r: Self| r * &power));
+            }
+            power = power.square();
+            rest /= 2;
+        }
+        result.unwrap_or_else(|| Self::constant(1.0))
+    }
+
+    /// The lesser of both.
+    #[must_use]
+    pub fn min(&self, other: &Self) -> Self {
+        self.two(other, Step::Min)
+    }
+
+    /// The greater of both.
+    #[must_use]
+    pub fn max(&self, other: &Self) -> Self {
+        self.two(other, Step::Max)
+    }
+
+    /// How far it is from the nearest whole multiple of `period`, with sign; of those at most `most` periods from 0.
+    #[must_use]
+    pub fn wrap(&self, period: f64, most: f64) -> Self {
+        self.one(|a| Step::Wrap(a, period, most))
+    }
+
+    /// Gradient noise at the point with these coordinates, between -1 and 1, as the function `noise` of scripts has it.
+    #[must_use]
+    pub fn noise(point: &[Self; 3]) -> Self {
+        let mut all = Assembler::default();
+        let [a, b, c] = [0, 1, 2].map(|i: usize| point.get(i).map_or(0, |field| all.include(field, None)));
+        let result = all.step(Step::Noise(a, b, c));
+        all.finish(result)
+    }
+
+    /// Its value at a point.
+    #[must_use]
+    pub fn at(&self, p: crate::math::DVec3) -> f64 {
+        self.run(p.to_array(), &mut Vec::new())
+    }
+
+    /// Its value in numbers of any kind; `results` is memory to be used again.
+    pub(super) fn run<T: Scalar>(&self, point: [T; 3], results: &mut Vec<T>) -> T {
+        results.clear();
+        results.reserve(self.steps.len());
+        let mut last = T::constant(0.0);
+        for step in self.steps.iter() {
+            let of = |i: u32| results.get(i as usize).copied().unwrap_or(last);
+            last = match *step {
+                Step::Axis(i) => point.get(usize::from(i)).copied().unwrap_or(last),
+                Step::Constant(x) => T::constant(x),
+                Step::Neg(a) => of(a).neg(),
+                Step::Abs(a) => of(a).abs(),
+                Step::Sqrt(a) => of(a).sqrt(),
+                Step::Square(a) => of(a).square(),
+                Step::Sin(a) => of(a).sin(),
+                Step::Cos(a) => of(a).cos(),
+                Step::Pow(a, e) => of(a).pow(e),
+                Step::Wrap(a, p, n) => of(a).wrap(p, n),
+                Step::Add(a, b) => of(a).add(of(b)),
+                Step::Sub(a, b) => of(a).sub(of(b)),
+                Step::Mul(a, b) => of(a).mul(of(b)),
+                Step::Div(a, b) => of(a).div(of(b)),
+                Step::Min(a, b) => of(a).min(of(b)),
+                Step::Max(a, b) => of(a).max(of(b)),
+                Step::Noise(a, b, c) => T::noise([of(a), of(b), of(c)]),
+            };
+            results.push(last);
+        }
+        last
+    }
+}
+
+macro_rules! operators {
+    ($($trait:ident $method:ident)*) => {
+        $(
+            impl $trait<&Field> for &Field {
+                type Output = Field;
+                fn $method(self, other: &Field) -> Field {
+                    self.two(other, Step::$trait)
+                }
+            }
+            impl $trait for Field {
+                type Output = Field;
+                fn $method(self, other: Field) -> Field {
+                    (&self).$method(&other)
+                }
+            }
+            impl $trait<&Field> for Field {
+                type Output = Field;
+                fn $method(self, other: &Field) -> Field {
+                    (&self).$method(other)
+                }
+            }
+            impl $trait<f64> for Field {
+                type Output = Field;
+                fn $method(self, other: f64) -> Field {
+                    (&self).$method(&Field::constant(other))
+                }
+            }
+            impl $trait<f64> for &Field {
+                type Output = Field;
+                fn $method(self, other: f64) -> Field {
+                    self.$method(&Field::constant(other))
+                }
+            }
+        )*
+    };
+}
+
+operators! { Add add Sub sub Mul mul Div div }
+
+impl Neg for &Field {
+    type Output = Field;
+    fn neg(self) -> Field {
+        self.one(Step::Neg)
+    }
+}
+
+impl Neg for Field {
+    type Output = Field;
+    fn neg(self) -> Field {
+        -&self
+    }
+}
