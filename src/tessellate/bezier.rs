@@ -54,6 +54,10 @@ struct Patches<'a>(&'a [[DVec3; 16]]);
 /// Point and derivative, but for a factor, of a cubic by de Casteljau's algorithm. Written so that the curve run backwards
 /// has the same bits: 1 - t is exact for the places that are asked for.
 fn cubic([a, b, c, d]: [DVec3; 4], t: f64) -> (DVec3, DVec3) {
+    if a == b && a == c && a == d {
+        // Rounding would make several points of one.
+        return (a, DVec3::ZERO);
+    }
     let s = 1.0 - t;
     let mix = |a: DVec3, b: DVec3| a * s + b * t;
     let (ab, bc, cd) = (mix(a, b), mix(b, c), mix(c, d));
@@ -171,6 +175,47 @@ mod tests {
                     assert!(off <= 0.0105, "{off}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn sides_that_are_one_point_close() {
+        // A ball of eight patches, each with a side that is a pole, by the usual constant for a quarter of a circle.
+        const K: f64 = 0.552_284_749_8;
+        let arc = [(1.0, 0.0), (1.0, K), (K, 1.0), (0.0, 1.0)];
+        let patches: Vec<[DVec3; 16]> = (0..8)
+            .map(|octant| {
+                let quarter = |x: f64, z: f64| match octant % 4 {
+                    0 => (x, z),
+                    1 => (-z, x),
+                    2 => (-x, -z),
+                    _ => (z, -x),
+                };
+                let up = if octant < 4 { 1.0 } else { -1.0 };
+                std::array::from_fn(|i| {
+                    let ((cx, cz), (r, y)) = (arc[i % 4], arc[i / 4]);
+                    let (x, z) = quarter(cx * r, cz * r);
+                    // Below, the patch is laid out the other way round, so that it faces outwards too.
+                    let (cx, cz) = arc[3 - i % 4];
+                    let (bx, bz) = quarter(cx * r, cz * r);
+                    if up > 0.0 {
+                        DVec3::new(x, y, z)
+                    } else {
+                        DVec3::new(bx, -y, bz)
+                    }
+                })
+            })
+            .collect();
+        for tolerance in [0.1, 0.01, 0.001] {
+            let ball = BezierPatches {
+                patches: patches.clone(),
+                tolerance: Some(tolerance),
+            };
+            let mesh = ball.mesh(&Allowance::of(&Limits::default())).unwrap();
+            suite::check_closed(&mesh);
+            suite::check_normals(&mesh, 0.3);
+            let less = 1.0 - suite::volume(&mesh) / (4.0 * crate::math::PI / 3.0);
+            assert!(less < 4.0 * tolerance && less > -0.002, "{less}");
         }
     }
 

@@ -48,6 +48,9 @@ struct Place {
     v: u32,
 }
 
+/// The sides u = 0 and u = 1, and v = 0 and v = 1, of a chart that are one point each.
+type Poles = [[bool; 2]; 2];
+
 impl Place {
     fn between(self, other: Self) -> Self {
         Self {
@@ -77,6 +80,7 @@ pub(super) fn mesh<C: Charts>(
         charts,
         division,
         allowance,
+        poles: Vec::new(),
         ids: BTreeMap::new(),
         places: Vec::new(),
         points: Vec::new(),
@@ -94,6 +98,8 @@ struct Refiner<'a, 'b, C> {
     charts: &'a mut C,
     division: Division,
     allowance: &'a Allowance<'b>,
+    /// Chart by chart.
+    poles: Vec<Poles>,
     ids: BTreeMap<Place, u32>,
     /// Each place that was looked at, and which point is there.
     places: Vec<(Place, u32)>,
@@ -164,6 +170,51 @@ impl<C: Charts> Refiner<'_, '_, C> {
             .unwrap_or_default()
     }
 
+    /// Finds the sides that are one point.
+    fn find_poles(&mut self, chart: u32) -> Result<Poles, C::Error> {
+        let (columns, rows) = (self.division.columns * PARTS, self.division.rows * PARTS);
+        let mut is_point = |at: &dyn Fn(u32) -> (u32, u32), end: u32| -> Result<bool, C::Error> {
+            let mut first = None;
+            for i in (0..=end).step_by(PARTS as usize / 2) {
+                let (u, v) = at(i);
+                let id = self.id(Place { chart, u, v })?;
+                let point = self.point_id(id);
+                if *first.get_or_insert(point) != point {
+                    return Ok(false);
+                }
+            }
+            Ok(true)
+        };
+        Ok([
+            [is_point(&|i| (0, i), rows)?, is_point(&|i| (columns, i), rows)?],
+            [
+                is_point(&|i| (i, 0), columns)?,
+                is_point(&|i| (i, rows), columns)?,
+            ],
+        ])
+    }
+
+    /// The ends of an edge: one that is at a pole has no direction of its own, and takes that of the other, so that all
+    /// edges between two points are one.
+    fn ends(&self, i: u32, j: u32) -> (Place, Place) {
+        let (mut a, mut b) = (self.place(i), self.place(j));
+        let (columns, rows) = (self.division.columns * PARTS, self.division.rows * PARTS);
+        let [[left, right], [low, high]] = self.poles.get(a.chart as usize).copied().unwrap_or_default();
+        let in_v = |p: Place| (p.v == 0 && low) || (p.v == rows && high);
+        let in_u = |p: Place| (p.u == 0 && left) || (p.u == columns && right);
+        match (in_v(a), in_v(b)) {
+            (true, false) => a.u = b.u,
+            (false, true) => b.u = a.u,
+            _ => {}
+        }
+        match (in_u(a), in_u(b)) {
+            (true, false) => a.v = b.v,
+            (false, true) => b.v = a.v,
+            _ => {}
+        }
+        (a, b)
+    }
+
     /// Adds a triangle, unless it is but an edge.
     fn add(
         &mut self,
@@ -188,6 +239,8 @@ impl<C: Charts> Refiner<'_, '_, C> {
         } = self.division;
         let mut triangles = Vec::new();
         for chart in 0..charts {
+            let poles = self.find_poles(chart)?;
+            self.poles.push(poles);
             for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
                 let mut corner = |u: u32, v: u32| {
                     self.id(Place {
@@ -252,7 +305,7 @@ impl<C: Charts> Refiner<'_, '_, C> {
     }
 
     fn is_edge_off(&mut self, i: u32, j: u32) -> Result<bool, C::Error> {
-        let (a, b) = (self.place(i), self.place(j));
+        let (a, b) = self.ends(i, j);
         if !a.is_divisible(b) {
             return Ok(false);
         }
@@ -271,14 +324,16 @@ impl<C: Charts> Refiner<'_, '_, C> {
 
     /// Whether the surface leaves the plane of a triangle between its edges.
     fn is_inside_off(&mut self, corners: [u32; 3]) -> Result<bool, C::Error> {
-        let [a, b, c] = corners.map(|corner| self.place(corner));
-        if !(a.is_divisible(b) && b.is_divisible(c) && c.is_divisible(a)) {
+        let [a, b, c] = corners;
+        let edges = [self.ends(a, b), self.ends(b, c), self.ends(c, a)];
+        if !edges.iter().all(|(a, b)| a.is_divisible(*b)) {
             return Ok(false);
         }
+        let middles = edges.map(|(a, b)| a.between(b));
         let [p, q, r] = corners.map(|corner| self.point(corner));
         let normal = (q - p).cross(r - p).normalize_or_zero();
-        for (i, j, k) in [(a, b, c), (b, c, a), (c, a, b)] {
-            let id = self.id(i.between(j).between(j.between(k)))?;
+        for (one, other) in middles.iter().zip(middles.iter().cycle().skip(1)) {
+            let id = self.id(one.between(*other))?;
             if !((self.point(id) - p).dot(normal).abs() <= self.division.tolerance) {
                 return Ok(true);
             }
@@ -298,8 +353,8 @@ impl<C: Charts> Refiner<'_, '_, C> {
             if !marked.contains(&self.edge(i, j)) {
                 return Ok(None);
             }
-            let place = self.place(i).between(self.place(j));
-            self.id(place).map(Some)
+            let (a, b) = self.ends(i, j);
+            self.id(a.between(b)).map(Some)
         };
         let (ab, bc, ca) = (middle(a, b)?, middle(b, c)?, middle(c, a)?);
         let parts: &[[u32; 3]] = match (ab, bc, ca) {
