@@ -93,7 +93,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .doc("Sets several terms at once and returns the whole state as a map. material(m) puts such a map back. A reflection of () follows Ks again, and () takes a bump, a roughness and the like away.")
         .usage("material(#{ diffuse: [0.8, 0.2, 0.1], shininess: 50 })")
         .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\nlet red = material(#{ diffuse: [0.8, 0.1, 0.1], shininess: 50 });\ndiffuse(0.15, 0.35, 0.8);\nsphere(-1.2, 0, 0, 1);\nmaterial(red);\nsphere(1.2, 0, 0, 1);")
-        .also(&["setMaterial", "surface", "finish"]),
+        .also(&["setMaterial", "finish"]),
     Entry::pure(Group::Materials, "hsv", hsv)
         .takes(&[&[
             number("hue", "degrees", "0 red, 120 green, 240 blue, and so on around"),
