@@ -19,7 +19,10 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     ("meter", &[]),
     ("spline", &[]),
     // A shape refuses bad parameters with the scene's error.
-    ("shape", &["math", "noise", "custom", "spline", "scene::SceneError"]),
+    (
+        "shape",
+        &["math", "noise", "custom", "spline", "scene::SceneError"],
+    ),
     (
         "scene",
         &["math", "color", "noise", "custom", "diag", "limits", "shape"],

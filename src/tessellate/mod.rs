@@ -5,6 +5,7 @@
 
 mod allowance;
 mod bezier;
+mod curve;
 mod heights;
 mod parametric;
 mod refine;
@@ -12,6 +13,7 @@ mod text;
 
 pub use allowance::Allowance;
 pub use bezier::BezierPatches;
+pub use curve::{Curve, CurveEnd, CurveKind};
 pub use heights::{HeightField, Heights};
 pub use parametric::Parametric;
 pub use text::{Align, Font, Text, TextSize, VerticalAlign};

@@ -5,6 +5,7 @@ mod assets;
 mod camera;
 mod colors;
 mod csg;
+mod curves;
 mod edition;
 mod environment;
 mod finishes;
@@ -41,7 +42,7 @@ use rhai::Module;
 use super::table::{Entry, Kind, Param};
 
 /// Every list, in the order of the reference.
-pub(super) const ALL: [&[Entry]; 28] = [
+pub(super) const ALL: [&[Entry]; 29] = [
     edition::ENTRIES,
     camera::ENTRIES,
     views::ENTRIES,
@@ -58,6 +59,7 @@ pub(super) const ALL: [&[Entry]; 28] = [
     heights::ENTRIES,
     text::ENTRIES,
     surfaces::ENTRIES,
+    curves::ENTRIES,
     lights::ENTRIES,
     queries::ENTRIES,
     lamps::ENTRIES,
