@@ -392,9 +392,9 @@ impl CustomReflectance for Polished<'_> {
     }
 }
 
-/// How far apart the points are that relief is measured at, in the shape's own units: a quarter of a texel of a picture with a
-/// thousand of them.
-const STEP: f64 = 2.5e-4;
+/// How far apart the points are that relief is measured at, as a share of the ray's length: about half a pixel, so that an edge is
+/// seen and a grain too fine to be seen is not. (PBR 10.5.3 takes half a pixel, too.)
+const STEP: f64 = 5e-4;
 
 /// Turns the shading normal as the relief says.
 fn relieve<'s>(world: &World<'s>, finish: &Finish, hit: &Hit, ray: &Ray, at: &mut SurfacePoint<'s>) {
@@ -403,9 +403,9 @@ fn relieve<'s>(world: &World<'s>, finish: &Finish, hit: &Hit, ray: &Ray, at: &mu
     }
     let n = at.shading_normal;
     let (t, b) = frame(n);
-    // World units in one of the shape's, along each direction.
     let moved = |offset: DVec3| world.beside(hit, ray, at, offset);
     let trial = at.scale.max(1e-3) * 1e-6;
+    // World units in one of the shape's, along each direction.
     let stretched = |dir: DVec3| {
         let object = moved(dir * trial)?.object_position() - at.object_position();
         Some(trial / object.length()).filter(|s| s.is_finite())
@@ -413,8 +413,8 @@ fn relieve<'s>(world: &World<'s>, finish: &Finish, hit: &Hit, ray: &Ray, at: &mu
     let (Some(along_t), Some(along_b)) = (stretched(t), stretched(b)) else {
         return;
     };
-    let (step_t, step_b) = (along_t * STEP, along_b * STEP);
-    let corners = [t * step_t, t * -step_t, b * step_b, b * -step_b].map(moved);
+    let step = ((at.position - ray.origin).length() * STEP).max(trial);
+    let corners = [t * step, t * -step, b * step, b * -step].map(moved);
     let [Some(t1), Some(t0), Some(b1), Some(b0)] = corners else {
         return;
     };
@@ -423,10 +423,7 @@ fn relieve<'s>(world: &World<'s>, finish: &Finish, hit: &Hit, ray: &Ray, at: &mu
     let mut normal = n;
     if let Some(map) = &finish.normal_map {
         let round = |d: DVec2| DVec2::new(d.x - (d.x + 0.5).floor(), d.y - (d.y + 0.5).floor());
-        let (dt, db) = (
-            round(t1.uv - t0.uv) / (2.0 * step_t),
-            round(b1.uv - b0.uv) / (2.0 * step_b),
-        );
+        let (dt, db) = (round(t1.uv - t0.uv), round(b1.uv - b0.uv));
         let det = dt.x * db.y - dt.y * db.x;
         let along_u = (t * db.y - b * dt.y) / det;
         let along_v = (b * dt.x - t * db.x) / det;
@@ -452,8 +449,8 @@ fn relieve<'s>(world: &World<'s>, finish: &Finish, hit: &Hit, ray: &Ray, at: &mu
     }
     if let Some(bump) = &finish.bump {
         let height = |at: &SurfacePoint<'_>| color::luminance(world.term(&bump.texture, at)) * bump.height;
-        let slope_t = (height(&t1) - height(&t0)) / (2.0 * STEP);
-        let slope_b = (height(&b1) - height(&b0)) / (2.0 * STEP);
+        let slope_t = (height(&t1) - height(&t0)) * along_t / (2.0 * step);
+        let slope_b = (height(&b1) - height(&b0)) * along_b / (2.0 * step);
         normal -= (t * slope_t + b * slope_b) * side;
         normal /= normal.length();
     }

@@ -96,7 +96,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .takes(&[&[number("abbe", "none", "Abbe number, 1 or greater: window glass 60, flint glass 30, diamond 55; 10 for show")]])
         .doc("Bends colors apart as glass with this Abbe number does, ior(n) being that of yellow light. Each sample that goes through has one wavelength, so this needs many samples.")
         .usage("dispersion(25)")
-        .example("background(\"#000\");\nsamples(64);\nmaxDepth(8);\nambient(0, 0, 0);\ncamera([0, 0, 6], [0, 0, 0], [0, 1, 0], 40);\ngroup { emission(1, 1, 1); translate(0, 0.5, -6); scale(9, 0.3, 0.1); box(); }\ntransmission(1, 1, 1);\nior(1.6);\ndispersion(8);\nsphere(0, 0, 0, 1.3);")
+        .example("background(\"#000\");\nsamples(24);\nmaxDepth(8);\nambient(0, 0, 0);\ncamera([0, 0, 6], [0, 0, 0], [0, 1, 0], 40);\ngroup { emission(1, 1, 1); translate(0, 0.5, -6); scale(9, 0.3, 0.1); box(); }\ntransmission(1, 1, 1);\nior(1.6);\ndispersion(8);\nsphere(0, 0, 0, 1.3);")
         .also(&["abbe", "prism", "rainbow", "chromatic"]),
     Entry::scene(Group::Materials, "bump", bump)
         .takes(&[&[
@@ -105,7 +105,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         ]])
         .doc("Relief: light falls as if the surface were raised where the texture is bright. Its outline stays as it is.")
         .usage("bump(granite(#{ scale: 0.2 }), 0.03)")
-        .example(studio!("diffuse(0.8, 0.5, 0.3);\nspecular(0.2, 0.2, 0.2);\nreflection(0, 0, 0);\nshininess(40);\nbump(pattern(\"fbm\", #{ colors: [\"#000\", \"#fff\"], scale: 0.4 }), 0.15);\nsphere(-1.1, 0, 0, 1);\nbump(brick(#{ scale: 0.8, colors: [\"#000\", \"#fff\"] }), 0.02);\nsphere(1.1, 0, 0, 1);"))
+        .example(studio!("diffuse(0.8, 0.5, 0.3);\nspecular(0.2, 0.2, 0.2);\nreflection(0, 0, 0);\nshininess(40);\nbump(pattern(\"fbm\", #{ colors: [\"#000\", \"#fff\"], scale: 0.4 }), 0.15);\nsphere(-1.1, 0, 0, 1);\nbump(brick(#{ scale: 0.8, colors: [\"#000\", \"#fff\"] }), 0.01);\nsphere(1.1, 0, 0, 1);"))
         .also(&["bumpMap", "bump_map", "displacement", "wrinkles"]),
     Entry::scene(Group::Materials, "normalMap", normal_map)
         .takes(&[&[
@@ -114,7 +114,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         ]])
         .doc("Relief by a picture of normals, over the shape's texture coordinates.")
         .usage("normalMap(image(#{ width: 1, height: 1, pixels: [0.5, 0.5, 1] }), 0.5)")
-        .example(studio!("let dents = [];\nfor y in 0..16 { for x in 0..16 {\n  dents.push([0.5 + 0.3 * sin(x * PI / 4), 0.5 + 0.3 * sin(y * PI / 4), 0.9]);\n} }\ndiffuse(0.3, 0.5, 0.8);\nspecular(0.4, 0.4, 0.4);\nreflection(0, 0, 0);\nshininess(40);\nnormalMap(image(#{ width: 16, height: 16, pixels: dents }));\nsphere(0, 0.2, 0, 1.1);"))
+        .example(studio!("let dents = [];\nfor y in 0..32 { for x in 0..32 {\n  dents.push([0.5 + 0.3 * sin(x * PI / 4), 0.5 + 0.3 * sin(y * PI / 4), 0.9]);\n} }\ndiffuse(0.3, 0.5, 0.8);\nspecular(0.4, 0.4, 0.4);\nreflection(0, 0, 0);\nshininess(40);\nnormalMap(image(#{ width: 32, height: 32, pixels: dents }));\nsphere(0, 0.2, 0, 1.1);"))
         .also(&["normal_map", "tangentSpace"]),
 ];
 
