@@ -223,7 +223,7 @@ fn an_explanation_adds_up_to_the_pixel() {
             let pixel = rendered.image.pixel(x, y).unwrap();
             assert_eq!(explained.value, pixel, "{x}, {y}");
             let samples = explained.samples.iter();
-            let sum = samples.fold(DVec3::ZERO, |sum, sample| sum + sample.sum(background) / 3.0);
+            let sum = samples.fold(DVec3::ZERO, |sum, sample| sum + sample.sum() / 3.0);
             assert!(
                 (sum - pixel).abs().max_element() <= 1e-12 * pixel.max_element().max(1.0),
                 "{x}, {y}: {sum} and {pixel}"

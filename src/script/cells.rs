@@ -12,7 +12,7 @@ use rhai::{Dynamic, EvalAltResult, EvalContext, Locked, Scope, Shared};
 
 /// What [`EvalContext`] is told of a variable whose cell was made here. Scripts have no function that reads or writes
 /// tags.
-const HELD: i32 = 0x7274_7363;
+const HELD: i16 = 0x7274;
 
 /// Cells made between two looks at which of them are still in use.
 const FEWEST: usize = 64;
@@ -110,7 +110,7 @@ pub(super) fn on_variable(
         Some(i) => scope.iter_raw().nth(i).map(|(_, _, value)| value),
         None => scope.get(name),
     };
-    if variable.is_some_and(|value| value.is_shared() && value.tag() != HELD) {
+    if variable.is_some_and(|value| value.is_shared() && value.tag() != HELD.into()) {
         adopt(context.scope_mut(), name);
     }
     Ok(None)
@@ -148,6 +148,6 @@ fn in_a_cell(value: Dynamic) -> Dynamic {
         }
     });
     let mut variable = Dynamic::from(cell);
-    variable.set_tag(HELD);
+    variable.set_tag(HELD.into());
     variable
 }
