@@ -110,7 +110,7 @@ pub(super) fn on_variable(
         Some(i) => scope.iter_raw().nth(i).map(|(_, _, value)| value),
         None => scope.get(name),
     };
-    if variable.is_some_and(|value| value.is_shared() && value.tag() != HELD.into()) {
+    if variable.is_some_and(|value| value.is_shared() && i64::from(value.tag()) != i64::from(HELD)) {
         adopt(context.scope_mut(), name);
     }
     Ok(None)
