@@ -273,6 +273,13 @@ fn write_light(line: &mut String, light: &Light) -> fmt::Result {
     if let Some(a) = attenuation.filter(|a| **a != super::Attenuation::default()) {
         write!(line, " attenuation {} {} {}", a.constant, a.linear, a.quadratic)?;
     }
+    let ids = |groups: &[super::GroupId]| groups.iter().map(|id| format!(" {}", id.0)).collect::<String>();
+    if let Some(only) = light.links.only() {
+        write!(line, " only{}", ids(only))?;
+    }
+    if !light.links.except().is_empty() {
+        write!(line, " except{}", ids(light.links.except()))?;
+    }
     write_loc(line, light.loc)
 }
 

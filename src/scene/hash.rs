@@ -274,8 +274,20 @@ impl Digest {
     }
 
     fn light(&mut self, light: &Light) {
-        let Light { kind, color, loc: _ } = light;
+        let Light {
+            kind,
+            color,
+            links,
+            loc: _,
+        } = light;
         self.vector(*color);
+        // Nothing where it reaches all, as it was before there was anything else.
+        if !links.is_all() {
+            self.text("links");
+            self.int(u64::from(links.only().is_some()));
+            self.each(links.only().unwrap_or_default(), |d, id| d.int(u64::from(id.0)));
+            self.each(links.except(), |d, id| d.int(u64::from(id.0)));
+        }
         match kind {
             LightKind::Point {
                 position,

@@ -1,11 +1,13 @@
 //! Lights.
 
 mod far;
+mod links;
 mod parts;
 mod spot;
 mod surface;
 
 pub use far::{Projector, Sun};
+pub use links::Links;
 pub use spot::Spot;
 pub(crate) use surface::around;
 pub use surface::{Falloff, LightForm, LightMesh, SurfaceLight};
@@ -132,6 +134,8 @@ pub struct Light {
     pub kind: LightKind,
     /// Its color, scene-linear; components may exceed 1.
     pub color: Color,
+    /// Which shapes it reaches.
+    pub links: Links,
     /// The call that made it.
     pub loc: SourceLoc,
 }

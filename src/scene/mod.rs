@@ -44,7 +44,7 @@ pub(crate) use finish::mean as finish_mean;
 pub use finish::{Absorption, Bump, ClearCoat, Conductor, Finish, NormalMap};
 pub(crate) use light::around;
 pub use light::{
-    Attenuation, Falloff, Light, LightForm, LightKind, LightMesh, Projector, Spot, Sun, SurfaceLight,
+    Attenuation, Falloff, Light, LightForm, LightKind, LightMesh, Links, Projector, Spot, Sun, SurfaceLight,
 };
 pub use mapped::{Laying, MappedImage, Mapping, TextureFilter, Wrap};
 pub use material::{Material, Term};

@@ -14,7 +14,7 @@ use crate::{
         observe::Observer,
         world::World,
     },
-    scene::{LightKind, Projector, Scene},
+    scene::{GroupId, LightKind, Projector, Scene},
 };
 
 /// Light on its way from a point of a light, if nothing is in between.
@@ -101,6 +101,14 @@ fn projected(scene: &Scene, projector: &Projector, lamp: &Lamp, p: DVec3) -> Opt
 }
 
 impl Lit<'_> {
+    /// The groups that lead to what is lit.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn groups(&self) -> Vec<GroupId> {
+        let places = self.world.places_of(self.number).into_iter();
+        places.map(|(group, _)| group).collect()
+    }
+
     /// Adds what a light of a rarer kind sends to `sum`.
     #[cold]
     #[inline(never)]

@@ -76,7 +76,11 @@ pub(super) fn direct<O: Observer>(
         gloss,
     };
     let is_hazy = world.around.as_ref().is_some_and(|around| around.haze.is_some());
+    let path_to = if world.is_linked { lit.groups() } else { Vec::new() };
     for (index, light) in world.scene.root().lights.iter().enumerate() {
+        if world.is_linked && !light.links.reaches(|id| path_to.contains(&id)) {
+            continue;
+        }
         observer.light(index);
         if is_hazy {
             lit.add_other(&mut sum, index, path, counts, observer);

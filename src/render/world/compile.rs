@@ -89,6 +89,7 @@ impl<'s> World<'s> {
             interrupt: None,
             lamps: Lamp::of_all(scene),
             around: Around::new(scene),
+            is_linked: scene.root().lights.iter().any(|light| !light.links.is_all()),
             uv_everywhere: false,
         };
         match (compiled, trees) {

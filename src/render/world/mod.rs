@@ -71,6 +71,8 @@ pub struct World<'s> {
     pub(super) interrupt: Option<&'s Interrupt<'s>>,
     /// What the lights of the root need besides what the scene says, by their number; empty where none needs anything.
     pub(super) lamps: Vec<Lamp>,
+    /// Some lights do not reach all shapes.
+    pub(super) is_linked: bool,
     /// Environment, ambient occlusion, fog and haze, where there is any of them.
     pub(super) around: Option<Box<Around<'s>>>,
     /// Texture coordinates are wanted of every surface, also where no texture asks for them.

@@ -120,9 +120,17 @@ impl Builder {
         let group = self.scene.groups.get(id.index());
         let lights = group.map(|group| group.lights.clone()).unwrap_or_default();
         for light in lights {
-            self.push_light(light.kind, light.color)?;
+            self.push_linked(light.kind, light.color, light.links)?;
         }
         self.add(Geometry::Instance(id), 1)
+    }
+
+    /// The handle of the group defined as `name`.
+    ///
+    /// # Errors
+    /// Where there is no such group yet.
+    pub fn group_called(&self, name: &str) -> Result<GroupId, SceneError> {
+        self.defined(name)
     }
 
     /// The group that `define` called `name`.

@@ -5,7 +5,7 @@ use crate::{
     color::Color,
     diag::Code,
     math::DVec3,
-    scene::{Attenuation, Light, LightKind, Projector, Spot, Sun, SurfaceLight},
+    scene::{Attenuation, Light, LightKind, Links, Projector, Spot, Sun, SurfaceLight},
 };
 
 impl Builder {
@@ -149,7 +149,43 @@ impl Builder {
         self.attenuation
     }
 
+    /// Which shapes the lights reach that are made from now on; all of them at the start.
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3, scene::Links};
+    /// let mut b = Builder::new();
+    /// let mark = b.begin_define("car")?;
+    /// b.sphere(DVec3::ZERO, 1.0)?;
+    /// b.end_define(mark, true);
+    /// b.instance("car")?;
+    /// let car = b.group_called("car")?;
+    /// b.light_linking(Links::new(Some(vec![car]), Vec::new())?)?;
+    /// b.point(DVec3::splat(5.0), DVec3::ONE)?;
+    /// # Ok::<(), rtscript::SceneError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Where a group is not one of this scene.
+    pub fn light_linking(&mut self, links: Links) -> Result<(), SceneError> {
+        if links.groups().any(|id| id.index() >= self.scene.groups.len()) {
+            return Err(SceneError::new(
+                "a light is linked to a group that this scene does not have",
+            ));
+        }
+        self.links = links;
+        Ok(())
+    }
+
     pub(super) fn push_light(&mut self, kind: LightKind, color: Color) -> Result<(), SceneError> {
+        self.push_linked(kind, color, self.links.clone())
+    }
+
+    pub(super) fn push_linked(
+        &mut self,
+        kind: LightKind,
+        color: Color,
+        links: Links,
+    ) -> Result<(), SceneError> {
         finite("the light's color", color)?;
         self.require_no_solid()?;
         if self.lights >= self.limits.lights {
@@ -181,6 +217,7 @@ impl Builder {
         self.group.lights.push(Light {
             kind,
             color,
+            links,
             loc: self.loc,
         });
         Ok(())

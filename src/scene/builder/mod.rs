@@ -18,7 +18,7 @@ pub use blocks::GroupMark;
 use placing::Placing;
 
 use super::{
-    Attenuation, Camera, Geometry, Group, Material, MaterialId, Object, ROOT_GROUP, Scene, SceneError,
+    Attenuation, Camera, Geometry, Group, Links, Material, MaterialId, Object, ROOT_GROUP, Scene, SceneError,
     Settings, material::MaterialKey,
 };
 use crate::{
@@ -55,6 +55,7 @@ pub struct Builder {
     material_id: Option<MaterialId>,
     material_ids: HashMap<MaterialKey, MaterialId>,
     attenuation: Attenuation,
+    links: Links,
     primitives: usize,
     lights: usize,
     loc: SourceLoc,
@@ -89,6 +90,7 @@ impl Builder {
             material_id: None,
             material_ids: HashMap::new(),
             attenuation: Attenuation::default(),
+            links: Links::default(),
             primitives: 0,
             lights: 0,
             loc: SourceLoc::default(),

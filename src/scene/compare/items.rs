@@ -5,7 +5,7 @@ use crate::{
     diag::SourceLoc,
     math::{DAffine3, DMat3, DVec3},
     scene::{
-        Geometry, Group, Light, Material, MaterialId, Mesh, Object, Scene, Term, Texels, Texture,
+        Geometry, Group, GroupId, Light, Material, MaterialId, Mesh, Object, Scene, Term, Texels, Texture,
         compare::Place,
     },
     shape::Shape,
@@ -256,6 +256,22 @@ pub(super) fn objects<'a>(
         .collect()
 }
 
+/// Which groups a light reaches, by their names.
+pub(super) fn linked(scene: &Scene, light: &Light) -> String {
+    let names = |ids: &[GroupId]| {
+        let names = ids.iter().map(|id| {
+            let group = scene.groups.get(id.index());
+            group.map_or("", |group| group.name.as_str())
+        });
+        names.collect::<Vec<_>>().join(", ")
+    };
+    let only = light.links.only().map_or("all".to_owned(), names);
+    match light.links.except() {
+        [] => only,
+        except => format!("{only} except {}", names(except)),
+    }
+}
+
 /// The lights of a group from its own calls: those that instances bring are told of where they are defined.
 pub(super) fn lights<'a>(
     scene: &'a Scene,
@@ -277,6 +293,9 @@ pub(super) fn lights<'a>(
         matrix.vector(at);
         let mut looks = Digest::new("light");
         looks.vector(light.color);
+        if !light.links.is_all() {
+            looks.text(&linked(scene, light));
+        }
         if let Some(a) = light.kind.attenuation() {
             looks.floats([a.constant, a.linear, a.quadratic]);
         }

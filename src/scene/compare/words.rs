@@ -2,7 +2,7 @@
 
 use super::{
     Way,
-    items::{Contents, Item, Thing},
+    items::{Contents, Item, Thing, linked},
     motion::motion,
 };
 use crate::{
@@ -35,7 +35,13 @@ pub(super) fn ways((before, after): (&Contents<'_>, &Contents<'_>), a: &Item<'_>
                 looks(&mut ways, (before, old), (after, new));
             }
         }
-        (Thing::Light(old), Thing::Light(new)) => light(&mut ways, old, new),
+        (Thing::Light(old), Thing::Light(new)) => {
+            light(&mut ways, old, new);
+            let (from, to) = (linked(before.scene, old), linked(after.scene, new));
+            if from != to {
+                value(&mut ways, "light linking", || from.clone(), || to.clone());
+            }
+        }
         _ => {}
     }
     if ways.is_empty() {

@@ -23,8 +23,8 @@ pub(in crate::scene) use self::{
     order::{names, own_lights},
 };
 use super::{
-    Attenuation, CsgOp, Encoding, Geometry, Group, ImageTexture, LightKind, Material, MaterialId, MeshId,
-    Object, ROOT_GROUP, Sampling, Scene, Texels, Texture, TextureId, TransformId,
+    Attenuation, CsgOp, Encoding, Geometry, Group, GroupId, ImageTexture, LightKind, Links, Material,
+    MaterialId, MeshId, Object, ROOT_GROUP, Sampling, Scene, Texels, Texture, TextureId, TransformId,
     literal::{Components, Number, Text, Vector},
 };
 use crate::diag::SourceLoc;
@@ -69,6 +69,7 @@ pub(crate) fn write(scene: &Scene, files: &AssetFiles, places: bool, out: &mut d
         latest: vec![NEVER; scene.transforms.len()],
         material: None,
         attenuation: Attenuation::default(),
+        links: Links::default(),
         depth: 0,
     };
     writer.settings()?;
@@ -100,6 +101,7 @@ struct Writer<'a> {
     /// The current material where it is known.
     material: Option<MaterialId>,
     attenuation: Attenuation,
+    links: Links,
     /// Blocks and saved matrices around the line.
     depth: usize,
 }
@@ -507,6 +509,34 @@ impl Writer<'_> {
         }
     }
 
+    /// Which groups the lights from here on reach, where that is not so already.
+    fn light_linking(&mut self, links: &Links) -> fmt::Result {
+        if *links == self.links {
+            return Ok(());
+        }
+        self.links = links.clone();
+        let end = links.groups().map(|id| id.index() + 1).max().unwrap_or(0);
+        self.defines_before(end)?;
+        let names = |ids: &[GroupId]| {
+            let names = ids.iter().filter_map(|id| self.names.get(id.index()));
+            names
+                .map(|name| Text(name).to_string())
+                .collect::<Vec<_>>()
+                .join(", ")
+        };
+        let only = links.only().map(|only| format!("only: [{}]", names(only)));
+        let except = Some(links.except()).filter(|except| !except.is_empty());
+        let except = except.map(|except| format!("except: [{}]", names(except)));
+        let options: Vec<String> = only.into_iter().chain(except).collect();
+        let options = options.join(", ");
+        let separator = if options.is_empty() { "" } else { " " };
+        // A define that was just written has left what it links its own lights to.
+        self.links = links.clone();
+        self.call(format_args!(
+            "lightLinking(#{{{separator}{options}{separator}}});"
+        ))
+    }
+
     fn lights(&mut self, group: &Group, part: Option<std::ops::Range<usize>>) -> fmt::Result {
         let lights = part.and_then(|part| group.lights.get(part)).unwrap_or(&[]);
         for light in lights {
@@ -526,6 +556,7 @@ impl Writer<'_> {
                     Number(quadratic)
                 ))?;
             }
+            self.light_linking(&light.links)?;
             if let LightKind::Projector(projector) = &kind {
                 self.register_textures(projector.image().index() + 1)?;
             }

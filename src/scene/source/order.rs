@@ -211,7 +211,9 @@ pub(in crate::scene) fn own_lights(scene: &Scene, group: &Group) -> Vec<std::ops
             let placed = group.lights.get(*at..at + brought.len());
             placed.is_some_and(|placed| {
                 placed.iter().zip(brought).all(|(placed, light)| {
-                    placed.color == light.color && light.kind.placed(&m).as_ref() == Some(&placed.kind)
+                    placed.color == light.color
+                        && placed.links == light.links
+                        && light.kind.placed(&m).as_ref() == Some(&placed.kind)
                 })
             })
         };

@@ -1,12 +1,12 @@
 //! Lights with a shape of their own: cones, surfaces, pictures.
 
-use rhai::Map;
+use rhai::{Array, Map};
 
 use std::sync::Arc;
 
 use super::{assets::mesh_data, color, int, map, number, vec3};
 use crate::{
-    scene::{Falloff, LightMesh, Projector, Spot, SurfaceLight},
+    scene::{Falloff, GroupId, LightMesh, Links, Projector, Spot, SurfaceLight},
     script::{
         call::{Call, TermValue, quoted, texture_of},
         session::State,
@@ -20,6 +20,7 @@ pub(super) const SURFACE_OPTIONS: [&str; 1] = ["falloff"];
 const FALLOFF: &str = "falloff: \"attenuation\", each point shines alike in all directions and fades as attenuation() says; \"physical\", by the cosine at the light over the squared distance, from its front only. \"attenuation\" unless given";
 const GRID: &str = "n x n jittered points, 1 to 256";
 
+const LINKING_OPTIONS: [&str; 2] = ["except", "only"];
 const SPOT_OPTIONS: [&str; 2] = ["penumbra", "tightness"];
 
 pub(super) const ENTRIES: &[Entry] = &[
@@ -86,6 +87,13 @@ pub(super) const ENTRIES: &[Entry] = &[
         .usage("projector([0, 2, 5], [0, 1, 0], [0, 1, 0], 30, image(\"wood.png\"), [1, 1, 1])")
         .example("camera([1, 2.2, 6], [0, 0.9, 0], [0, 1, 0], 36);\nambient(0.04, 0.04, 0.05);\ndiffuse(0.85, 0.85, 0.8);\nplane();\ngroup { translate(0, 1.5, -1.5); box(5, 3, 0.1); }\nlet slide = image(#{ width: 3, height: 2, pixels: [[1, 0.1, 0.1], [1, 0.8, 0.1], [0.2, 0.9, 0.2], [0.1, 0.5, 1], [0.5, 0.2, 0.9], [1, 1, 1]] });\nprojector([0, 2, 5], [0, 1.2, -1.4], [0, 1, 0], 24, slide, [1, 1, 1]);\nsphere(0.5, 0.6, 0.6, 0.5);")
         .also(&["slide", "gobo", "cookie", "projectedTexture", "image light"]),
+    Entry::scene(Group::Lights, "lightLinking", light_linking)
+        .takes(&[&[map("groups", "only: names of the groups whose shapes the lights reach, all shapes unless given; except: names of groups that they do not reach")
+            .keys(&LINKING_OPTIONS)]])
+        .doc("Which shapes the lights reach that are made from now on, by the names that define gave to groups; a shape in a group in a group is in both. #{ } is for all shapes again. Whatever is in between casts its shadow all the same, and the environment reaches everything.")
+        .usage("lightLinking(#{ })")
+        .example("camera([0, 2.5, 6], [0, 0.7, 0], [0, 1, 0], 36);\nbackground(\"#20252e\");\nambient(0.05, 0.05, 0.06);\ndiffuse(0.8, 0.8, 0.75);\nplane();\ndefine \"left\" { sphere(-1, 0.8, 0, 0.8); }\ndefine \"right\" { sphere(1, 0.8, 0, 0.8); }\ninstance(\"left\"); instance(\"right\");\nlight([0, 5, 3], [0.35, 0.35, 0.35]);\nlightLinking(#{ only: [\"left\"] });\nlight([-4, 3, 4], [1, 0.3, 0.2]);\nlightLinking(#{ only: [\"right\"] });\nlight([4, 3, 4], [0.2, 0.5, 1]);")
+        .also(&["lightGroup", "light_group", "lightMask", "light linking", "excludeLight", "layers", "lightLayers"]),
 ];
 
 /// The map of options that may be left out.
@@ -196,5 +204,28 @@ fn projector(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     let attenuation = state.builder.current_attenuation();
     let projector = Projector::new(places, fovy, image, attenuation)?;
     state.builder.projector(projector, color * tint)?;
+    DONE
+}
+
+fn light_linking(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let options = options(call, &LINKING_OPTIONS)?;
+    call.end()?;
+    let groups = |key: &str| -> Outcome<Option<Vec<GroupId>>> {
+        let Some(given) = options.get(key) else {
+            return Ok(None);
+        };
+        let Some(names) = given.read_lock::<Array>() else {
+            return Err(call.wrong_kind(key, "an array of names", given));
+        };
+        let mut groups = Vec::new();
+        for (i, name) in names.iter().take(Links::MOST + 1).enumerate() {
+            let text = name.clone().into_immutable_string();
+            let text = text.map_err(|_| call.wrong_kind(&format!("{key}[{i}]"), "a string", name))?;
+            groups.push(state.builder.group_called(&text)?);
+        }
+        Ok(Some(groups))
+    };
+    let links = Links::new(groups("only")?, groups("except")?.unwrap_or_default())?;
+    state.builder.light_linking(links)?;
     DONE
 }

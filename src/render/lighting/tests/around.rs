@@ -4,7 +4,6 @@ use super::*;
 use crate::{
     render::{environment::Surround, sampler::Sampler},
     scene::{Environment, Fog, Haze, Occlusion, Scene, Sky},
-    shape::Cuboid,
 };
 
 fn gradient(zenith: Color, horizon: Color, ground: Color) -> Environment {

@@ -10,10 +10,10 @@ use crate::{
     math::{self, DVec3, PI},
     render::{RenderOptions, render},
     scene::{
-        Attenuation, Camera, Falloff, ImageTexture, LightMesh, Projector, Sun, SurfaceLight, Term, Texels,
-        Texture,
+        Attenuation, Camera, Falloff, ImageTexture, LightMesh, Links, Projector, Sun, SurfaceLight, Term,
+        Texels, Texture,
     },
-    shape::{Plane, Shape},
+    shape::{Cuboid, Plane, Shape},
 };
 
 /// The light that a white floor sends up from the origin.
@@ -199,4 +199,53 @@ fn a_projector_puts_each_texel_where_it_belongs() {
     }
     assert_eq!(at(-6.0, 2.01), Color::ZERO);
     assert_eq!(at(8.01, 0.0), Color::ZERO);
+}
+
+/// A light of a group adds to its shapes what it adds to all without links, and nothing to others.
+#[test]
+fn linked_lights_reach_their_groups_alone() {
+    let lit = |links: &dyn Fn(&Builder) -> Links| {
+        let mut b = Builder::new();
+        b.size(2, 1).unwrap();
+        b.camera(Camera::new(DVec3::Y * 10.0, DVec3::ZERO, DVec3::NEG_Z, 20.0).unwrap());
+        b.material_mut().ambient = Term::BLACK;
+        b.material_mut().diffuse = Term::color(Color::ONE);
+        for (name, x) in [("left", -5.0), ("right", 5.0)] {
+            let mark = b.begin_define(name).unwrap();
+            b.translate(DVec3::new(x, -5.0, 0.0)).unwrap();
+            b.shape(Shape::Cuboid(Cuboid::new(DVec3::splat(10.0)).unwrap()))
+                .unwrap();
+            b.end_define(mark, true);
+            b.instance(name).unwrap();
+        }
+        let links = links(&b);
+        b.light_linking(links).unwrap();
+        b.directional(DVec3::Y, Color::ONE).unwrap();
+        let scene = b.finish().value;
+        let image = render(&scene, &RenderOptions::default(), &NoHost)
+            .unwrap()
+            .value
+            .image;
+        [image.pixel(0, 0).unwrap().x, image.pixel(1, 0).unwrap().x]
+    };
+    let ids = |b: &Builder, names: &[&str]| {
+        names
+            .iter()
+            .map(|n| b.group_called(n).unwrap())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(lit(&|_| Links::default()), [1.0, 1.0]);
+    assert_eq!(
+        lit(&|b| Links::new(Some(ids(b, &["left"])), Vec::new()).unwrap()),
+        [1.0, 0.0]
+    );
+    assert_eq!(lit(&|b| Links::new(None, ids(b, &["left"])).unwrap()), [0.0, 1.0]);
+    assert_eq!(
+        lit(&|b| Links::new(Some(ids(b, &["left", "right"])), ids(b, &["right"])).unwrap()),
+        [1.0, 0.0]
+    );
+    assert_eq!(
+        lit(&|_| Links::new(Some(Vec::new()), Vec::new()).unwrap()),
+        [0.0, 0.0]
+    );
 }
