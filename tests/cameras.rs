@@ -6,7 +6,8 @@
 use rtscript::{
     Builder, DVec3, Image, NoHost, RenderOptions, Scene, Term, render,
     scene::{
-        Adaptive, Camera, Crop, Filter, FilterKind, Lens, Projection, Region, Sampling, Stereo, StereoLayout,
+        Adaptive, Camera, Crop, Filter, FilterKind, Lens, Motion, Projection, Region, Sampling, Shutter,
+        Stereo, StereoLayout,
     },
 };
 
@@ -47,7 +48,7 @@ fn picture(scene: &Scene) -> Image {
 type Change = fn(&mut Builder);
 
 /// One of each kind of camera and of samples.
-const KINDS: [(&str, Change); 9] = [
+const KINDS: [(&str, Change); 11] = [
     ("plain", |_| {}),
     ("fisheye", |b| {
         let projection = Projection::Fisheye {
@@ -70,6 +71,24 @@ const KINDS: [(&str, Change); 9] = [
             convergence: None,
         }))
         .unwrap();
+    }),
+    ("moving", |b| {
+        b.camera_motion(Some(Motion {
+            eye: DVec3::new(0.5, 1.0, 5.0),
+            at: DVec3::X,
+            up: DVec3::Y,
+        }))
+        .unwrap();
+    }),
+    ("moving net", |b| {
+        b.sampling(Sampling::Sobol);
+        b.camera_motion(Some(Motion {
+            eye: DVec3::new(0.5, 1.0, 5.0),
+            at: DVec3::X,
+            up: DVec3::new(0.5, 1.0, 0.0),
+        }))
+        .unwrap();
+        b.lens(Some(Lens::new(0.1))).unwrap();
     }),
     ("sobol", |b| b.sampling(Sampling::Sobol)),
     ("mitchell", |b| {
@@ -220,6 +239,91 @@ fn an_anaglyph_is_two_pictures_in_one() {
         differ += u32::from(left != right);
     }
     assert!(differ > 100, "{differ}");
+}
+
+#[test]
+fn a_moment_of_a_motion_is_a_camera_that_stands_still() {
+    let to = Motion {
+        eye: DVec3::new(2.0, 1.0, 6.0),
+        at: DVec3::new(1.0, 0.5, 0.0),
+        up: DVec3::new(0.5, 1.0, 0.0),
+    };
+    let still = picture(&scene(|b| {
+        let (eye, at) = (DVec3::new(0.5, 1.0, 6.0), DVec3::new(0.25, 0.125, 0.0));
+        let up = DVec3::new(0.125, 1.0, 0.0);
+        b.camera(Camera::new(eye, at, up, 45.0).unwrap());
+    }));
+    let moment = |open, close| {
+        picture(&scene(|b| {
+            b.camera_motion(Some(to)).unwrap();
+            b.shutter(Shutter { open, close }).unwrap();
+        }))
+    };
+    assert_eq!(moment(0.25, 0.25), still);
+    assert_ne!(moment(0.25, 0.5), still);
+}
+
+#[test]
+fn a_motion_spreads_a_point_evenly_over_its_way() {
+    // A thin upright bar that glows, and a camera that moves by ten pixels of its picture.
+    let blurred = |sampling| {
+        let mut b = Builder::new();
+        b.size(40, 1).unwrap();
+        b.samples(256).unwrap();
+        b.sampling(sampling);
+        let across = |x: f64| {
+            let projection = Projection::Orthographic { height: 1.0 };
+            let (eye, at) = (DVec3::new(x, 0.0, 5.0), DVec3::new(x, 0.0, 0.0));
+            Camera::with_projection(eye, at, DVec3::Y, projection).unwrap()
+        };
+        b.camera(across(0.0));
+        let Camera { eye, at, up, .. } = across(10.0);
+        b.camera_motion(Some(Motion { eye, at, up })).unwrap();
+        b.material_mut().emission = Term::color(DVec3::ONE);
+        b.material_mut().ambient = Term::color(DVec3::ZERO);
+        let corners = [(4.0, -5.0), (6.0, -5.0), (5.0, 5000.0)].map(|(x, y)| DVec3::new(x, y, 0.0));
+        b.triangle(corners, None).unwrap();
+        picture(&b.finish().value)
+    };
+    for (sampling, most) in [(Sampling::Stratified, 0.03), (Sampling::Sobol, 0.03)] {
+        let row: Vec<f64> = blurred(sampling).pixels().iter().map(|p| p[0]).collect();
+        // Two pixels wide, seen from 20 + 4 - 10 to 20 + 6: a trapezoid of height 2 / 10.
+        for (x, got) in row.iter().enumerate() {
+            // How long each place of the pixel sees the bar, over the pixel, by small steps.
+            let steps = (0..1000).map(|i| {
+                let (share, place) = (f64::from(i % 40) / 40.0 + 0.0125, f64::from(i / 40) / 25.0 + 0.02);
+                let world = x as f64 + place - 20.0 + 10.0 * share;
+                f64::from(u8::from((world - 5.0).abs() < 0.999))
+            });
+            let wanted = steps.sum::<f64>() / 1000.0;
+            assert!(
+                (got - wanted).abs() < most,
+                "{sampling:?} pixel {x}: {got} {wanted}"
+            );
+        }
+    }
+}
+
+#[test]
+fn motions_without_a_view_are_refused() {
+    let plain = Camera::new(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, DVec3::Y, 45.0).unwrap();
+    let to = |eye: DVec3, up| {
+        plain.with_motion(Some(Motion {
+            eye,
+            at: DVec3::ZERO,
+            up,
+        }))
+    };
+    assert!(to(DVec3::X, DVec3::Y).is_ok());
+    let through = to(DVec3::new(0.0, 0.0, -5.0), DVec3::Y).unwrap_err().message;
+    assert_eq!(
+        through,
+        "the camera's eye and the point it looks at are the same, when 0.5 of its motion is done"
+    );
+    assert!(to(DVec3::X, DVec3::NEG_Y).is_err(), "up turns over");
+    for (open, close) in [(-0.1, 1.0), (0.5, 0.4), (0.0, 1.1), (f64::NAN, 1.0)] {
+        assert!(plain.with_shutter(Shutter { open, close }).is_err());
+    }
 }
 
 #[test]

@@ -74,8 +74,8 @@ pub struct Layer {
 }
 
 impl Layer {
-    /// The layer as a picture to look at, whose 8 bits are its values times 255: normals from -1 to 1 as 0 to 1, fractions
-    /// of texture coordinates, what is near lighter, a color for each number.
+    /// The layer as a picture to look at: the albedo as light, all else with 8 bits that are its values times 255: normals
+    /// from -1 to 1 as 0 to 1, fractions of texture coordinates, what is near lighter, a color for each number.
     #[must_use]
     pub fn picture(&self, width: u32, height: u32) -> Image {
         let depths = || self.values.iter().copied().filter(|v| v.is_finite());
@@ -99,7 +99,11 @@ impl Layer {
         };
         let pixels = self.values.chunks(self.kind.channels().len());
         let pixels = pixels.map(|pixel| color(pixel).to_array());
-        Image::new(width, height, Encoding::Raw, pixels.collect())
+        let encoding = match self.kind {
+            LayerKind::Albedo => Encoding::Srgb,
+            _ => Encoding::Raw,
+        };
+        Image::new(width, height, encoding, pixels.collect())
     }
 }
 

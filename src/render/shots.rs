@@ -2,7 +2,7 @@
 
 use super::{
     filter::Places,
-    sampler::{LENS, Sampler, permuted, stratified},
+    sampler::{LENS, Sampler, TIME, permuted, stratified},
     world::Probe,
 };
 use crate::{
@@ -146,7 +146,21 @@ impl<'s> Shots<'s> {
             }
         };
         let place = [f64::from(x) + dx, f64::from(y) + dy];
-        let ray = self.frame.shot(place, eye, aperture.map(|(u, v)| [u, v]));
+        let moved;
+        let frame = if self.frame.moves() {
+            let time = match s.sampling {
+                Sampling::Stratified => {
+                    let stratum = permuted(index, s.samples, key.bits(TIME));
+                    (f64::from(stratum) + sampler.get(TIME)) / f64::from(s.samples)
+                }
+                Sampling::Sobol => sampler.get(TIME),
+            };
+            moved = self.frame.at_time(time);
+            &moved
+        } else {
+            &self.frame
+        };
+        let ray = frame.shot(place, eye, aperture.map(|(u, v)| [u, v]));
         Shot {
             probe: ray.map(Probe::from_space),
             sampler,

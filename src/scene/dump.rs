@@ -7,7 +7,7 @@ use std::{
 
 use super::{
     Encoding, Geometry, Group, Light, LightKind, Material, Mesh, Object, Projection, ROOT_GROUP, Sampling,
-    Scene, Term, Texels, Texture,
+    Scene, Shutter, Term, Texels, Texture,
 };
 use crate::{
     diag::SourceLoc,
@@ -109,6 +109,9 @@ impl Scene {
         let rare = [
             c.lens.map(|lens| format!("lens {lens:?}")),
             c.stereo.map(|stereo| format!("stereo {stereo:?}")),
+            c.motion.map(|motion| format!("motion {motion:?}")),
+            (c.shutter != Shutter::default())
+                .then(|| format!("shutter {} {}", c.shutter.open, c.shutter.close)),
             (s.sampling != Sampling::default()).then(|| format!("sampler {}", s.sampling.name())),
             (!s.filter.is_pixel()).then(|| format!("filter {} {}", s.filter.kind.name(), s.filter.radius)),
             s.adaptive

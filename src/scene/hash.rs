@@ -2,8 +2,8 @@
 
 use super::{
     Attenuation, Attribute, Camera, Encoding, Environment, Fog, Geometry, Group, Haze, ImageTexture, Light,
-    LightKind, Material, Mesh, Object, Occlusion, Projection, Sampling, Scene, Settings, Sky, Surroundings,
-    Term, Texels, Texture, Triangle,
+    LightKind, Material, Mesh, Object, Occlusion, Projection, Sampling, Scene, Settings, Shutter, Sky,
+    Surroundings, Term, Texels, Texture, Triangle,
 };
 use crate::{
     math::{DAffine3, DVec2, DVec3},
@@ -218,6 +218,8 @@ impl Digest {
             projection,
             lens,
             stereo,
+            motion,
+            shutter,
         } = camera;
         self.vectors([*eye, *at, *up]);
         // What there is not is not told of, as it was before there could be.
@@ -230,6 +232,12 @@ impl Digest {
         }
         if let Some(stereo) = stereo {
             self.text(&format!("{stereo:?}"));
+        }
+        if let Some(motion) = motion {
+            self.text(&format!("{motion:?}"));
+        }
+        if *shutter != Shutter::default() {
+            self.text(&format!("{shutter:?}"));
         }
     }
 

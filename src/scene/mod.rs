@@ -33,7 +33,7 @@ mod texture_text;
 mod validate;
 
 pub use builder::{Builder, GroupMark};
-pub use camera::{Camera, CameraFrame, Eye, Focus, Lens, Projection, Stereo, StereoLayout};
+pub use camera::{Camera, CameraFrame, Eye, Focus, Lens, Motion, Projection, Shutter, Stereo, StereoLayout};
 pub use color_map::{ColorMap, Interpolation, Paint};
 pub use composed::{MixTexture, PlacedTexture};
 pub use csg::CsgOp;

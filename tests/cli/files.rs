@@ -57,7 +57,7 @@ fn impossible_outputs_end_with_4_before_anything_runs() {
         ("folder.png", "it is a folder"),
         (
             "a.gif",
-            "the ending '.gif' is not a picture format; known are .png, .jpg, .jpeg, .ppm",
+            "the ending '.gif' is not a picture format; known are .png, .jpg, .jpeg, .ppm, .exr, .hdr, .pfm",
         ),
         ("picture", "no ending"),
         ("..", "no ending"),

@@ -29,7 +29,7 @@ pub(in crate::cli) struct RenderArgs {
     #[arg(value_name = "FILE", required = true)]
     pub(in crate::cli) files: Vec<PathBuf>,
 
-    /// Where the picture goes: a .png, .jpg or .ppm file, or - for PNG on standard output; with several scenes, a
+    /// Where the picture goes: a .png, .jpg, .ppm, .exr, .hdr or .pfm file, or - for PNG on standard output; with several scenes, a
     /// folder. Of several pictures that a script renders, the last [default: the scene's name with .png, in the
     /// current folder]
     #[arg(short, long, value_name = "FILE")]

@@ -24,6 +24,9 @@ pub(crate) const fn mix(mut x: u64) -> u64 {
 /// The first of two dimensions for a point of the lens; those of a path are below them.
 pub(crate) const LENS: u64 = 1 << 63;
 
+/// The dimension for a time.
+pub(crate) const TIME: u64 = LENS + 2;
+
 impl Sampler {
     /// The numbers of sample `sample` of the pixel in column `x`, row `y`.
     pub(crate) fn new(seed: u64, x: u32, y: u32, sample: u32) -> Self {

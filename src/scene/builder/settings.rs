@@ -6,7 +6,7 @@ use crate::{
     math::DAffine3,
     scene::{
         Adaptive, Attenuation, Camera, Crop, Edition, Encoding, Environment, Filter, Fog, Haze, Lens,
-        Material, Occlusion, Sampling, Settings, Sky, Stereo, Texture,
+        Material, Motion, Occlusion, Sampling, Settings, Shutter, Sky, Stereo, Texture,
     },
 };
 
@@ -186,18 +186,24 @@ impl Builder {
         self.scene.settings.seed = seed;
     }
 
+    /// The camera as it stands.
+    pub(crate) fn camera_now(&self) -> &Camera {
+        &self.scene.camera
+    }
+
     /// The camera with its lens and its eyes; the last call counts.
     pub fn camera(&mut self, camera: Camera) {
         self.scene.camera = camera;
     }
 
-    /// How the camera sees, from where, with the lens and the eyes that it had before.
+    /// How the camera sees, from where, with the lens, the eyes and the shutter that it had before.
     ///
     /// # Errors
     /// Where it cannot have that lens.
     pub(crate) fn view(&mut self, camera: Camera) -> Result<(), SceneError> {
-        let Camera { lens, stereo, .. } = self.scene.camera;
-        self.scene.camera = camera.with_lens(lens)?.with_stereo(stereo)?;
+        let before = self.scene.camera;
+        let camera = camera.with_lens(before.lens)?.with_stereo(before.stereo)?;
+        self.scene.camera = camera.with_shutter(before.shutter)?;
         Ok(())
     }
 
@@ -216,6 +222,24 @@ impl Builder {
     /// As [`Camera::with_stereo`].
     pub fn stereo(&mut self, stereo: Option<Stereo>) -> Result<(), SceneError> {
         self.scene.camera = self.scene.camera.with_stereo(stereo)?;
+        Ok(())
+    }
+
+    /// Where the camera goes while light is gathered; `None` leaves it where it is.
+    ///
+    /// # Errors
+    /// As [`Camera::with_motion`].
+    pub fn camera_motion(&mut self, motion: Option<Motion>) -> Result<(), SceneError> {
+        self.scene.camera = self.scene.camera.with_motion(motion)?;
+        Ok(())
+    }
+
+    /// The part of the camera's motion that is seen.
+    ///
+    /// # Errors
+    /// As [`Camera::with_shutter`].
+    pub fn shutter(&mut self, shutter: Shutter) -> Result<(), SceneError> {
+        self.scene.camera = self.scene.camera.with_shutter(shutter)?;
         Ok(())
     }
 

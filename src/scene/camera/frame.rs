@@ -42,6 +42,8 @@ pub struct CameraFrame {
     projection: Projection,
     lens: Option<(Lens, f64)>,
     stereo: Option<Eyes>,
+    /// The camera and the size of the picture, where other times have other rays.
+    moving: Option<(Camera, (u32, u32))>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +56,9 @@ struct Eyes {
 }
 
 impl CameraFrame {
-    pub(super) fn new(camera: &Camera, width: u32, height: u32) -> Self {
+    pub(super) fn new(moving: &Camera, size: (u32, u32), time: f64) -> Self {
+        let camera = &moving.at_time(time);
+        let (width, height) = size;
         let w = (camera.eye - camera.at) / (camera.eye - camera.at).length();
         let u = camera.up.cross(w);
         let u = u / u.length();
@@ -99,6 +103,7 @@ impl CameraFrame {
             width,
             height,
             projection: camera.projection,
+            moving: camera.motion.map(|_| (*moving, size)),
             lens: camera.lens.map(|lens| (lens, lens.distance(camera))),
             stereo: camera.stereo.map(|stereo| Eyes {
                 half: stereo.separation * 0.5,
@@ -117,6 +122,18 @@ impl CameraFrame {
             Some(eyes) if eyes.layout == StereoLayout::Anaglyph => &[Eye::Left, Eye::Right],
             _ => &[Eye::Middle],
         }
+    }
+
+    /// Whether other times have other rays.
+    pub(crate) fn moves(&self) -> bool {
+        self.moving.is_some()
+    }
+
+    /// The rays at the time that a number from 0 to 1 stands for, from where the shutter opens to where it closes.
+    pub(crate) fn at_time(&self, share: f64) -> Self {
+        self.moving.map_or(*self, |(camera, size)| {
+            Self::new(&camera, size, camera.shutter.time(share))
+        })
     }
 
     /// Whether rays leave more than one point of a lens.

@@ -2,6 +2,7 @@
 
 mod frame;
 mod lens;
+mod motion;
 mod stereo;
 #[cfg(test)]
 mod tests;
@@ -9,6 +10,7 @@ mod tests;
 pub use self::{
     frame::{CameraFrame, Eye},
     lens::{Focus, Lens},
+    motion::{Motion, Shutter},
     stereo::{Stereo, StereoLayout},
 };
 use crate::{
@@ -123,6 +125,10 @@ pub struct Camera {
     pub lens: Option<Lens>,
     /// Two eyes instead of one.
     pub stereo: Option<Stereo>,
+    /// Where it goes while light is gathered, which blurs what it passes; `None` where it stands still.
+    pub motion: Option<Motion>,
+    /// The part of the motion that is seen.
+    pub shutter: Shutter,
 }
 
 impl Default for Camera {
@@ -134,6 +140,8 @@ impl Default for Camera {
             projection: Projection::Perspective { fovy: 45.0 },
             lens: None,
             stereo: None,
+            motion: None,
+            shutter: Shutter::default(),
         }
     }
 }
@@ -190,6 +198,8 @@ impl Camera {
             projection,
             lens: None,
             stereo: None,
+            motion: None,
+            shutter: Shutter::default(),
         })
     }
 
@@ -218,6 +228,28 @@ impl Camera {
         Ok(self)
     }
 
+    /// The same camera on its way to another place, or standing still.
+    ///
+    /// # Errors
+    /// Where it would have no view on its way: where it passes the point that it looks at, or looks along its up.
+    pub fn with_motion(mut self, motion: Option<Motion>) -> Result<Self, SceneError> {
+        if let Some(motion) = &motion {
+            motion.check(&self)?;
+        }
+        self.motion = motion;
+        Ok(self)
+    }
+
+    /// The same camera with this shutter.
+    ///
+    /// # Errors
+    /// Where it does not open and close between 0 and 1.
+    pub fn with_shutter(mut self, shutter: Shutter) -> Result<Self, SceneError> {
+        shutter.check()?;
+        self.shutter = shutter;
+        Ok(self)
+    }
+
     /// Vertical field of view in degrees of a perspective camera.
     #[must_use]
     pub const fn fovy(&self) -> Option<f64> {
@@ -234,11 +266,13 @@ impl Camera {
         matches!(self.projection, Projection::Perspective { .. })
             && self.lens.is_none()
             && self.stereo.is_none()
+            && self.motion.is_none()
     }
 
-    /// The camera's rays for a picture of `width` x `height` pixels.
+    /// The camera's rays for a picture of `width` x `height` pixels; of one that moves those of the middle of the time
+    /// that its shutter is open.
     #[must_use]
     pub fn frame(&self, width: u32, height: u32) -> CameraFrame {
-        CameraFrame::new(self, width, height)
+        CameraFrame::new(self, (width, height), self.shutter.time(0.5))
     }
 }

@@ -303,6 +303,8 @@ pub fn settings(before: &Scene, after: &Scene) -> Vec<(&'static str, String, Str
             ),
             ("lens", or_none(c.lens.as_ref().map(source::lens))),
             ("stereo", or_none(c.stereo.as_ref().map(source::stereo))),
+            ("motion", or_none(c.motion.as_ref().map(source::motion))),
+            ("shutter", source::shutter(&c.shutter)),
             ("sampler", s.sampling.name().to_owned()),
             ("filter", source::filter(&s.filter)),
             ("adaptive", or_none(s.adaptive.as_ref().map(source::adaptive))),

@@ -3,7 +3,7 @@
 use std::fmt::{self, Write as _};
 
 use crate::scene::{
-    Adaptive, Camera, Crop, Filter, Focus, Lens, Projection, Stereo,
+    Adaptive, Camera, Crop, Filter, Focus, Lens, Motion, Projection, Shutter, Stereo,
     literal::{Number, Text, Vector},
 };
 
@@ -33,7 +33,21 @@ pub(in crate::scene) fn camera(c: &Camera) -> Vec<String> {
     let mut calls = vec![view];
     calls.extend(c.lens.as_ref().map(lens));
     calls.extend(c.stereo.as_ref().map(stereo));
+    calls.extend(c.motion.as_ref().map(motion));
+    calls.extend((c.shutter != Shutter::default()).then(|| shutter(&c.shutter)));
     calls
+}
+
+/// The call that moves the camera.
+pub(in crate::scene) fn motion(motion: &Motion) -> String {
+    let Motion { eye, at, up } = *motion;
+    format!("cameraTo({}, {}, {});", Vector(eye), Vector(at), Vector(up))
+}
+
+/// The call that sets the shutter.
+pub(in crate::scene) fn shutter(shutter: &Shutter) -> String {
+    let Shutter { open, close } = *shutter;
+    format!("shutter({}, {});", Number(open), Number(close))
 }
 
 /// The call that puts a lens into a camera.

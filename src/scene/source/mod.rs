@@ -19,7 +19,7 @@ use self::{
     textures::{is_named, terms},
 };
 pub(in crate::scene) use self::{
-    camera::{adaptive, camera, crop, filter, lens, stereo},
+    camera::{adaptive, camera, crop, filter, lens, motion, shutter, stereo},
     order::{names, own_lights},
 };
 use super::{

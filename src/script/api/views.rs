@@ -6,8 +6,8 @@ use super::{int, map, number, string, vec3};
 use crate::{
     diag::nearest_names,
     scene::{
-        Adaptive, Camera, Crop, Filter, FilterKind, Focus, Lens, Projection, Region, Sampling, Stereo,
-        StereoLayout,
+        Adaptive, Camera, Crop, Filter, FilterKind, Focus, Lens, Motion, Projection, Region, Sampling,
+        Shutter, Stereo, StereoLayout,
     },
     script::{
         call::{Call, quoted},
@@ -20,6 +20,18 @@ use crate::{
 const FROM: Param = vec3("from", "world units", "where the camera stands");
 const AT: Param = vec3("at", "world units", "the point in the middle of the picture");
 const UP: Param = vec3("up", "none", "a direction that points up in the picture");
+
+const FOCUS: Param = Param::new(
+    "focus",
+    Kind::NumberOrVec3,
+    "world units",
+    "distance from the camera along its view, or a point that is sharp; else the point looked at",
+);
+const APERTURE: Param = map(
+    "options",
+    "blades: edges of the aperture, 3 to 64, 0 for a circle; rotation of the polygon in degrees",
+)
+.keys(&["blades", "rotation"]);
 
 pub(super) const ENTRIES: &[Entry] = &[
     Entry::scene(Group::Camera, "orthographic", orthographic)
@@ -83,29 +95,54 @@ pub(super) const ENTRIES: &[Entry] = &[
             &[number("radius", "world units", "radius of the aperture; 0 is a pinhole")],
             &[
                 number("radius", "world units", "radius of the aperture; 0 is a pinhole"),
-                Param::new("focus", Kind::NumberOrVec3, "world units", "distance from the camera along its view, or a point that is sharp").or("the point looked at"),
-                map("options", "blades: edges of the aperture, 3 to 64, 0 for a circle; rotation of the polygon in degrees")
-                    .keys(&["blades", "rotation"])
-                    .or("a circle"),
+                FOCUS,
             ],
             &[
                 number("radius", "world units", "radius of the aperture; 0 is a pinhole"),
-                map("options", "blades: edges of the aperture, 3 to 64, 0 for a circle; rotation of the polygon in degrees")
-                    .keys(&["blades", "rotation"]),
+                FOCUS,
+                APERTURE,
+            ],
+            &[
+                number("radius", "world units", "radius of the aperture; 0 is a pinhole"),
+                APERTURE,
             ],
         ])
         .doc("Depth of field: puts a thin lens into the camera. What is as far away as focus is sharp; the rest is blurred, bright points in the shape of the aperture. Takes many samples. Perspective and orthographic cameras have lenses. The last call counts, for cameras that come after it as well.")
         .usage("lens(0.1, [0, 0, 0])")
         .example("size(160, 100);\ncamera([0, 1.2, 6], [0, 0.2, 0], [0, 1, 0], 35);\nlens(0.25, [0, 0, 1.5], #{ blades: 6 });\nsamples(36);\nbackground(\"#182030\");\nambient(0.05, 0.05, 0.06);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\nfor i in 0..6 {\n  diffuse(hsv(i * 50, 0.7, 0.9));\n  sphere(i * 0.7 - 2, -0.3, 4 - i * 1.6, 0.45);\n}\ngroup { translate(0, -0.75, 0); diffuse(checker(\"#ccc\", \"#456\", 1)); plane(); }")
         .also(&["aperture", "focal_point", "dof", "depthOfField", "bokeh", "fstop"]),
+    Entry::scene(Group::Camera, "cameraTo", camera_to)
+        .takes(&[
+            &[
+                vec3("from", "world units", "where the camera stands in the end"),
+                vec3("at", "world units", "the point in the middle of the picture in the end"),
+            ],
+            &[
+                vec3("from", "world units", "where the camera stands in the end"),
+                vec3("at", "world units", "the point in the middle of the picture in the end"),
+                vec3("up", "none", "a direction that points up in the picture in the end"),
+            ],
+        ])
+        .doc("Moves the camera while light is gathered, which blurs what it passes: from where the camera before it stands, in straight lines at an even pace. Takes many samples. A new camera stands still.")
+        .usage("cameraTo([0.2, 1, 5], [0.2, 0, 0])")
+        .example("size(160, 100);\ncamera([-0.25, 1, 5], [0, 0, 0], [0, 1, 0], 40);\ncameraTo([0.25, 1, 5], [0, 0, 0]);\nsamples(36);\nbackground(\"#cfe3f5\");\nambient(0.1, 0.1, 0.12);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\nfor i in 0..5 {\n  diffuse(hsv(i * 60, 0.6, 0.9));\n  sphere(i * 0.9 - 1.8, 0, 3 - i * 1.5, 0.5);\n}\ngroup { translate(0, -0.5, 0); diffuse(checker(\"#fff\", \"#567\", 1)); plane(); }")
+        .also(&["motionBlur", "cameraMotion", "pan", "dolly"]),
+    Entry::scene(Group::Camera, "shutter", shutter)
+        .takes(&[&[
+            number("open", "none", "when the shutter opens, as a share of the camera's motion"),
+            number("close", "none", "when it closes, up to 1"),
+        ]])
+        .doc("The part of the camera's motion that is seen: from open to close, where the motion goes from 0 to 1. A shutter that opens and closes at one time shows a single moment. Default: 0 and 1. The last call counts, for cameras that come after it as well.")
+        .usage("shutter(0, 0.5)")
+        .example("size(160, 100);\ncamera([0, 1, 6], [0, 0, 0], [0, 1, 0], 40);\ncameraTo([0, 1, 3.5], [0, 0, 0]);\nshutter(0.5, 0.75);\nsamples(36);\nbackground(\"#cfe3f5\");\nambient(0.1, 0.1, 0.12);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\nfor i in 0..12 {\n  diffuse(hsv(i * 30, 0.6, 0.9));\n  group { rotate([0, 0, 1], i * 30); translate(1.4, 0, 0); sphere(0, 0, 0, 0.3); }\n}")
+        .also(&["exposure", "shutterSpeed", "shutter_angle"]),
     Entry::scene(Group::Camera, "stereo", stereo)
         .takes(&[
             &[number("separation", "world units", "from eye to eye; 0 is one eye")],
             &[
                 number("separation", "world units", "from eye to eye; 0 is one eye"),
                 map("options", "layout: \"side-by-side\", \"top-bottom\" or \"anaglyph\" (red and cyan); convergence: the distance at which both eyes see the same, or \"parallel\"")
-                    .keys(&["layout", "convergence"])
-                    .or("side by side, converging on the point looked at"),
+                    .keys(&["layout", "convergence"]),
             ],
         ])
         .doc("Two eyes beside each other, each with a half of the picture, or one color of it. What lies at the distance of convergence seems to lie in the picture, nearer things before it: of flat cameras (perspective, orthographic) by default as far as the point looked at, of others endless. In panoramas each column is seen by eyes that look that way. The last call counts, for cameras that come after it as well.")
@@ -123,7 +160,7 @@ pub(super) const ENTRIES: &[Entry] = &[
             &[string("name", "\"box\", \"tent\", \"gaussian\", \"mitchell\" or \"blackmanHarris\"")],
             &[
                 string("name", "\"box\", \"tent\", \"gaussian\", \"mitchell\" or \"blackmanHarris\""),
-                number("radius", "pixels", "where the filter ends, from the middle of the pixel; above 0 and at most 16").or("0.5 box, 1 tent, 1.5 gaussian and blackmanHarris, 2 mitchell"),
+                number("radius", "pixels", "where the filter ends, from the middle of the pixel; above 0 and at most 16; else 0.5 for box, 1 for tent, 1.5 for gaussian and blackmanHarris, 2 for mitchell"),
             ],
         ])
         .doc("What the surroundings of a pixel count for in it: wider filters make edges smoother, mitchell sharpens them. Each pixel draws its samples from the filter. Takes several samples. Default: \"box\" with a radius of 0.5, the pixel itself.")
@@ -234,6 +271,24 @@ fn lens(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     }
     call.end()?;
     state.builder.lens((lens.radius != 0.0).then_some(lens))?;
+    DONE
+}
+
+fn camera_to(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let (eye, at) = (call.vec3("from")?, call.vec3("at")?);
+    let up = match call.rest() {
+        0 => state.builder.camera_now().up,
+        _ => call.vec3("up")?,
+    };
+    call.end()?;
+    state.builder.camera_motion(Some(Motion { eye, at, up }))?;
+    DONE
+}
+
+fn shutter(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let (open, close) = (call.number("open")?, call.number("close")?);
+    call.end()?;
+    state.builder.shutter(Shutter { open, close })?;
     DONE
 }
 
