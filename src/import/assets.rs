@@ -7,7 +7,9 @@ use crate::{
     diag::{Code, Diagnostic, ErrorKind},
     host::Host,
     limits::Limits,
-    scene::{AssetFiles, Mesh, MeshFile, MeshId, Scene, SceneError, Texture, TextureId},
+    scene::{
+        AssetFiles, ImageTexture, Mesh, MeshFile, MeshId, Pyramid, Scene, SceneError, Texture, TextureId,
+    },
     tessellate::Font,
 };
 
@@ -25,6 +27,8 @@ pub struct AssetCache {
     files: usize,
     bytes: u64,
     kept: Option<KeptAssets>,
+    /// Copies of pictures that were asked for.
+    pyramids: Vec<(Arc<Texture>, Arc<Pyramid>)>,
 }
 
 impl AssetCache {
@@ -35,6 +39,17 @@ impl AssetCache {
             kept,
             ..Self::default()
         }
+    }
+
+    /// The copies of a picture for what is far away, the same for the same picture.
+    pub(crate) fn pyramid(&mut self, texture: &Arc<Texture>, image: &ImageTexture) -> Arc<Pyramid> {
+        let known = self.pyramids.iter().find(|(of, _)| Arc::ptr_eq(of, texture));
+        if let Some((_, pyramid)) = known {
+            return Arc::clone(pyramid);
+        }
+        let pyramid = Arc::new(Pyramid::new(image));
+        self.pyramids.push((Arc::clone(texture), Arc::clone(&pyramid)));
+        pyramid
     }
 
     /// Files asked for so far; a file that was in the cache counts once.

@@ -81,6 +81,8 @@ struct Pending {
     weight: Color,
     depth: u32,
     inside: Inside,
+    /// Length of the path before it; 0 where no texture asks.
+    before: f64,
 }
 
 /// Rays that wait, kept from one camera sample to the next so that none of them allocates or clears memory.
@@ -120,6 +122,7 @@ pub(super) fn radiance<O: Observer>(
         weight: Color::ONE,
         depth: 0,
         inside: Inside::default(),
+        before: 0.0,
     });
     let mut known = Some(first);
     counts.camera += 1;
@@ -128,6 +131,7 @@ pub(super) fn radiance<O: Observer>(
         mut weight,
         depth,
         inside,
+        mut before,
     }) = next.or_else(|| waiting.pop())
     {
         next = None;
@@ -161,6 +165,10 @@ pub(super) fn radiance<O: Observer>(
             sum += added;
             continue;
         };
+        if world.needs_width {
+            before += (at.position - ray.origin).length();
+            world.measure(&hit, &ray, &mut at, world.pixel_width(before));
+        }
         let mut polished = None;
         if inside.is_any() || at.material.finish.is_some() {
             let distance = (at.position - ray.origin).length();
@@ -240,6 +248,7 @@ pub(super) fn radiance<O: Observer>(
                 weight,
                 depth: depth + 1,
                 inside: inside.unwrap_or(onward),
+                before,
             }));
         }
     }

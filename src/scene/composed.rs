@@ -2,6 +2,7 @@
 
 use super::{
     Paint, Placement, SceneError,
+    mapped::largest,
     texture::{Size, TexturePoint},
 };
 use crate::{
@@ -93,6 +94,9 @@ impl PlacedTexture {
             uv: DVec2::new(uv.x, uv.y),
             position: at(point.position),
             normal: object_from_texture.transpose() * point.normal,
+            width: point
+                .width
+                .map(|width| width * largest(&self.texture_from_object)),
         })
     }
 }

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use super::{ImageTexture, Placement, SceneError, Texture, texture::TexturePoint};
+use super::{
+    ImageTexture, Placement, Pyramid, SceneError, Texture, pyramid::bilinear, texture::TexturePoint,
+};
 use crate::{
     color::Color,
     math::{self, DAffine3, DVec2, DVec3, PI},
@@ -42,11 +44,17 @@ pub enum TextureFilter {
     Bilinear,
     /// The nearest alone, for pixel art.
     Nearest,
+    /// Copies of the picture for what is far away, chosen by the width of a pixel there; see [`Pyramid`].
+    Mip,
 }
 
 impl TextureFilter {
     /// All of them with their names in scripts.
-    pub const ALL: [(&'static str, Self); 2] = [("bilinear", Self::Bilinear), ("nearest", Self::Nearest)];
+    pub const ALL: [(&'static str, Self); 3] = [
+        ("bilinear", Self::Bilinear),
+        ("nearest", Self::Nearest),
+        ("mip", Self::Mip),
+    ];
 }
 
 /// What lies beyond the edges of a picture.
@@ -72,7 +80,7 @@ impl Wrap {
     ];
 
     /// The texel that stands for number `i` of `n`.
-    fn texel(self, i: i64, n: u32) -> Option<u32> {
+    pub(super) fn texel(self, i: i64, n: u32) -> Option<u32> {
         let n = i64::from(n);
         let i = match self {
             Self::Repeat => i.rem_euclid(n),
@@ -120,6 +128,7 @@ pub struct MappedImage {
     image: Arc<Texture>,
     laying: Laying,
     texture_from_object: DAffine3,
+    pyramid: Option<Arc<Pyramid>>,
 }
 
 impl MappedImage {
@@ -128,9 +137,22 @@ impl MappedImage {
     /// # Errors
     /// Where the texture is no [`Texture::Image`], or a number is out of its range.
     pub fn new(image: Arc<Texture>, laying: Laying) -> Result<Self, SceneError> {
-        if !matches!(*image, Texture::Image(_)) {
+        Self::with_copies(image, laying, |image| Arc::new(Pyramid::new(image)))
+    }
+
+    /// As [`MappedImage::new`], with copies of the picture that may be there already: [`Pyramid::new`] of it. They are asked for
+    /// by [`TextureFilter::Mip`] alone.
+    ///
+    /// # Errors
+    /// As [`MappedImage::new`].
+    pub fn with_copies(
+        image: Arc<Texture>,
+        laying: Laying,
+        copies: impl FnOnce(&ImageTexture) -> Arc<Pyramid>,
+    ) -> Result<Self, SceneError> {
+        let Texture::Image(texels) = &*image else {
             return Err(SceneError::new("only a picture can be laid on a shape"));
-        }
+        };
         if !(0.0..=1.0).contains(&laying.blend) {
             return Err(SceneError::new(format!(
                 "blend must lie between 0 and 1, not {}",
@@ -138,8 +160,10 @@ impl MappedImage {
             )));
         }
         laying.placement.check()?;
+        let pyramid = (laying.filter == TextureFilter::Mip).then(|| copies(texels));
         Ok(Self {
             image,
+            pyramid,
             texture_from_object: laying.placement.texture_from_object(),
             laying,
         })
@@ -166,7 +190,22 @@ impl MappedImage {
                 .placement
                 .stir(self.texture_from_object.transform_point3(p))
         };
-        let look = |u: f64, v: f64| self.texel(image, DVec2::new(u, v));
+        let [in_space, in_uv] = point.width;
+        let width = match self.laying.mapping {
+            Mapping::Uv => in_uv,
+            _ => in_space,
+        };
+        let width = width * largest(&self.texture_from_object);
+        let width = match self.laying.mapping {
+            // Once around is 1, and that is the longer, the farther from the axis.
+            Mapping::Spherical => width / (2.0 * PI * place(point.position).length()),
+            Mapping::Cylindrical => {
+                let p = place(point.position);
+                width / (2.0 * PI * math::hypot(p.x, p.z)).min(1.0)
+            }
+            _ => width,
+        };
+        let look = |u: f64, v: f64| self.texel(image, DVec2::new(u, v), width);
         match self.laying.mapping {
             Mapping::Uv => {
                 let uv = place(DVec3::new(point.uv.x, point.uv.y, 0.0));
@@ -219,31 +258,31 @@ impl MappedImage {
         }
     }
 
-    /// The picture's color at `uv`; (0, 0) is the lower left corner.
-    fn texel(&self, image: &ImageTexture, uv: DVec2) -> Color {
+    /// The picture's color at `uv` over a `width`; (0, 0) is the lower left corner.
+    fn texel(&self, image: &ImageTexture, uv: DVec2, width: f64) -> Color {
         if !(uv.abs().max_element() < 1e12) {
             return Color::ZERO;
         }
         let Laying { filter, wrap, .. } = self.laying;
-        let (x, y) = (
-            uv.x * f64::from(image.width),
-            (1.0 - uv.y) * f64::from(image.height),
-        );
-        let at = |x: f64, y: f64| {
+        if let Some(pyramid) = &self.pyramid {
+            return pyramid.color(image, wrap, uv, width);
+        }
+        if filter == TextureFilter::Nearest {
+            let x = (uv.x * f64::from(image.width)).floor();
+            let y = ((1.0 - uv.y) * f64::from(image.height)).floor();
             let texel = wrap
                 .texel(x as i64, image.width)
                 .zip(wrap.texel(y as i64, image.height));
-            texel.map_or(Color::ZERO, |(x, y)| image.texel(x, y))
-        };
-        if filter == TextureFilter::Nearest {
-            return at(x.floor(), y.floor());
+            return texel.map_or(Color::ZERO, |(x, y)| image.texel(x, y));
         }
-        let (x, y) = (x - 0.5, y - 0.5);
-        let (x0, y0) = (x.floor(), y.floor());
-        let (fx, fy) = (x - x0, y - y0);
-        let row = |y: f64| at(x0, y) * (1.0 - fx) + at(x0 + 1.0, y) * fx;
-        row(y0) * (1.0 - fy) + row(y0 + 1.0) * fy
+        bilinear((image.width, image.height), wrap, uv, |x, y| image.texel(x, y))
     }
+}
+
+/// How much a map stretches at most, along its axes.
+pub(super) fn largest(map: &DAffine3) -> f64 {
+    let m = map.matrix3;
+    m.x_axis.length().max(m.y_axis.length()).max(m.z_axis.length())
 }
 
 /// Angle about the y axis, 0.5 on the +z side and growing to the right as seen from outside.
@@ -282,6 +321,7 @@ mod tests {
                 uv: DVec2::new(position.x, position.y),
                 position,
                 normal,
+                width: [0.0; 2],
             })
         }
     }

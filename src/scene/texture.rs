@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{
-    CustomTexture, MappedImage, Paint, Pattern, PatternTexture, Placement, SceneError,
+    CustomTexture, MappedImage, Paint, Pattern, PatternTexture, Placement, SceneError, TextureFilter,
     composed::{MixTexture, PlacedTexture},
 };
 use crate::{
@@ -47,6 +47,8 @@ pub struct TexturePoint {
     pub position: DVec3,
     /// Outward normal in the space of the shape, of any length; 0 where it is not known.
     pub normal: DVec3,
+    /// How wide a pixel is there, in the space of the shape and in texture coordinates; 0 where it is not known.
+    pub width: [f64; 2],
 }
 
 /// The texels of a picture, rows from the top.
@@ -79,6 +81,7 @@ impl Texture {
             uv,
             position: p,
             normal: DVec3::ZERO,
+            width: [0.0; 2],
         })
     }
 
@@ -136,6 +139,14 @@ impl Texture {
             Self::Image(image) => matches!(image.texels, Texels::Srgb8(_)),
             Self::Mapped(mapped) => mapped.image().is_srgb(),
             _ => false,
+        }
+    }
+
+    /// True where the width of a pixel matters to it.
+    pub(crate) fn asks_for_width(&self) -> bool {
+        match self {
+            Self::Mapped(mapped) => mapped.laying().filter == TextureFilter::Mip,
+            _ => self.parts().into_iter().any(|part| part.asks_for_width()),
         }
     }
 

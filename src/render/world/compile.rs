@@ -91,6 +91,7 @@ impl<'s> World<'s> {
             around: Around::new(scene),
             is_linked: scene.root().lights.iter().any(|light| !light.links.is_all()),
             uv_everywhere: false,
+            needs_width: scene.textures.iter().any(|texture| texture.asks_for_width()),
         };
         match (compiled, trees) {
             (Ok(()), _) => Ok(world),

@@ -77,6 +77,8 @@ pub struct World<'s> {
     pub(super) around: Option<Box<Around<'s>>>,
     /// Texture coordinates are wanted of every surface, also where no texture asks for them.
     pub(crate) uv_everywhere: bool,
+    /// A texture asks how wide a pixel is.
+    pub(crate) needs_width: bool,
 }
 
 /// What a ray met.
@@ -91,6 +93,14 @@ pub struct RayHit {
 }
 
 impl<'s> World<'s> {
+    /// How wide a pixel in the middle of the picture is after a way of so many units.
+    pub(crate) fn pixel_width(&self, way: f64) -> f64 {
+        let settings = &self.scene.settings;
+        self.scene
+            .camera
+            .pixel_width(settings.width, settings.height, way)
+    }
+
     /// The nearest hit of a ray with 0 < t <= `t_max`. The ray's direction may have any length but 0.
     #[must_use]
     pub fn raycast(&self, ray: &Ray, t_max: f64) -> Option<RayHit> {

@@ -8,6 +8,7 @@ use super::{
 };
 use crate::{
     math::{DAffine3, DVec2, DVec3, Ray, max_abs},
+    render::microfacet::frame,
     scene::{Material, MaterialId, Object, Term, TexturePoint},
 };
 
@@ -29,6 +30,8 @@ pub(crate) struct SurfacePoint<'s> {
     object_position: DVec3,
     /// Outward, of any length; 0 where no texture asks for it.
     object_normal: DVec3,
+    /// How wide a pixel is there, in the object's space and in texture coordinates; 0 where no texture asks.
+    width: [f64; 2],
 }
 
 impl SurfacePoint<'_> {
@@ -38,6 +41,7 @@ impl SurfacePoint<'_> {
             uv: self.uv,
             position: self.object_position,
             normal: self.object_normal,
+            width: self.width,
         }
     }
 
@@ -80,6 +84,28 @@ impl<'s> World<'s> {
         offset: DVec3,
     ) -> Option<SurfacePoint<'s>> {
         self.surface_at::<true>(hit, ray, at.position + offset)
+    }
+
+    /// Tells textures how wide a pixel is at a hit: `width` across the ray, which the slant of the surface stretches (the cones
+    /// of Amanatides, "Ray tracing with cones", SIGGRAPH 1984).
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn measure(&self, hit: &Hit, ray: &Ray, at: &mut SurfacePoint<'s>, width: f64) {
+        let cosine = at.geometric_normal.dot(ray.dir).abs().max(0.05);
+        let width = width / cosine;
+        let (t, b) = frame(at.geometric_normal);
+        let mut widest = [0.0f64; 2];
+        for dir in [t, b] {
+            // A short way, so that the seam of texture coordinates is told from a wide pixel.
+            if let Some(beside) = self.beside(hit, ray, at, dir * (width * SHORT_WAY)) {
+                let uv = beside.uv - at.uv;
+                let uv = DVec2::new(uv.x - (uv.x + 0.5).floor(), uv.y - (uv.y + 0.5).floor());
+                let space = (beside.object_position - at.object_position).length();
+                widest[0] = widest[0].max(space / SHORT_WAY);
+                widest[1] = widest[1].max(uv.length() / SHORT_WAY);
+            }
+        }
+        at.width = widest;
     }
 
     /// The surface of the primitive that `ray` met, at `position`, which is `BESIDE` the hit or the hit itself.
@@ -163,6 +189,7 @@ impl<'s> World<'s> {
             uv: local.uv,
             object_position: local.object_position,
             object_normal: local.object_normal,
+            width: [0.0; 2],
         })
     }
 
@@ -399,6 +426,9 @@ impl<'s> World<'s> {
         }
     }
 }
+
+/// The share of a pixel's width over which texture coordinates are looked at.
+const SHORT_WAY: f64 = 1.0 / 1024.0;
 
 /// Barycentric coordinates of the point of a triangle's plane that is nearest to `p`, for its second and third corner.
 fn coordinates([a, b, c]: [DVec3; 3], p: DVec3) -> (f64, f64) {

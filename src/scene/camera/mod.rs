@@ -259,6 +259,23 @@ impl Camera {
         }
     }
 
+    /// How wide a pixel in the middle of a picture of `width` times `height` pixels is, in world units, `way` units away
+    /// from the camera; of parallel rays it is the same everywhere.
+    #[must_use]
+    pub(crate) fn pixel_width(&self, width: u32, height: u32, way: f64) -> f64 {
+        let [across, down] = [width, height].map(|n| f64::from(n.max(1)));
+        let degrees = match self.projection {
+            Projection::Perspective { fovy } => fovy / down,
+            Projection::Orthographic { height } => return height / down,
+            Projection::Fisheye { angle, full_frame } => {
+                let diagonal = (across * across + down * down).sqrt();
+                angle / if full_frame { diagonal } else { across.min(down) }
+            }
+            Projection::Panorama { angle, .. } | Projection::Cylindrical { angle, .. } => angle / across,
+        };
+        degrees.to_radians() * way
+    }
+
     /// Whether all rays of a picture leave one point and there is one for each point of it: a pinhole with one eye and a
     /// perspective.
     #[must_use]

@@ -14,6 +14,7 @@ use crate::{
     },
     script::{
         call::{Call, TermValue, kind_of, number_of, quoted},
+        session::State,
         table::{Entry, Group},
         value::{Outcome, TextureValue},
     },
@@ -366,7 +367,7 @@ fn placed(call: &mut Call<'_, '_>) -> Outcome {
 }
 
 /// A picture laid on a shape as options say.
-pub(super) fn laid(call: &Call<'_, '_>, image: Arc<Texture>, options: &Map) -> Outcome {
+pub(super) fn laid(call: &Call<'_, '_>, state: &mut State, image: Arc<Texture>, options: &Map) -> Outcome {
     call.known_keys(options, &LAYING)?;
     let mut laying = Laying::default();
     for (key, value) in options {
@@ -378,7 +379,7 @@ pub(super) fn laid(call: &Call<'_, '_>, image: Arc<Texture>, options: &Map) -> O
             _ => place(call, &mut laying.placement, key, value)?,
         }
     }
-    Ok(texture_value(Texture::Mapped(Box::new(MappedImage::new(
-        image, laying,
-    )?))))
+    let of = Arc::clone(&image);
+    let mapped = MappedImage::with_copies(image, laying, |image| state.assets.pyramid(&of, image))?;
+    Ok(texture_value(Texture::Mapped(Box::new(mapped))))
 }
