@@ -25,7 +25,9 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     ),
     (
         "scene",
-        &["math", "color", "noise", "custom", "diag", "limits", "shape"],
+        &[
+            "math", "color", "noise", "spline", "custom", "diag", "limits", "shape",
+        ],
     ),
     ("accel", &["math"]),
     ("host", &["diag", "render"]),

@@ -216,7 +216,6 @@ fn an_explanation_adds_up_to_the_pixel() {
         group { emission(1, 0.2, 0.1); sphere(-1, 0, 0, 0.3); }";
     let rendered = render(scene);
     let world = World::compile(&rendered.scene).unwrap();
-    let background = rendered.scene.settings.background;
     for y in 0..18 {
         for x in 0..24 {
             let explained = world.explain(x, y, &NoHost).unwrap();

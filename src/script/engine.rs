@@ -64,6 +64,9 @@ pub(super) fn modules() -> &'static [Arc<Module>] {
     &MODULES
 }
 
+/// Names that Rhai has, too, for other arguments.
+const SHARED: [&str; 1] = ["blob"];
+
 /// All functions of the table, with what belongs to our types.
 fn scene_module() -> Module {
     let mut module = Module::new();
@@ -79,7 +82,8 @@ fn scene_module() -> Module {
         // A slip in the number of arguments gets the entry's own error, also where the script catches it.
         // Beyond two too many, Rhai's "function not found" is translated.
         let most = arities.last().map_or(0, |n| n + 2).min(MOST_DYNAMIC);
-        for arity in (0..=most).filter(|n| !arities.contains(n)) {
+        let is_ours = !SHARED.contains(&entry.name);
+        for arity in (0..=most).filter(|n| is_ours && !arities.contains(n)) {
             register(
                 &mut module,
                 entry.name,

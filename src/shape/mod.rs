@@ -7,35 +7,53 @@
 //! nearest hit follows, the parts of the line inside a solid, and an exact answer to the question that haunts
 //! ray tracers: a ray that starts on the surface knows which crossing is its own start.
 
+mod blob;
+mod capsule;
 mod cone;
 mod crossings;
 mod cuboid;
 mod custom;
 mod cylinder;
 mod disk;
+mod lathe;
+mod pieces;
 mod planar;
 mod plane;
 mod polygon;
+mod prism;
+mod quadric;
+mod roots;
+mod rounded;
 mod sdf;
 mod span;
 mod sphere;
+mod sphere_sweep;
 #[cfg(test)]
 pub(crate) mod suite;
+mod superellipsoid;
 mod torus;
 pub mod triangle;
 pub(crate) mod triangles;
 mod triangulate;
 
+pub use blob::{Blob, BlobPart};
+pub use capsule::Capsule;
 pub use cone::Cone;
 pub use crossings::{Crossing, CrossingSink, Crossings};
 pub use cuboid::Cuboid;
 pub use custom::CustomShape;
 pub use cylinder::Cylinder;
 pub use disk::Disk;
+pub use lathe::Lathe;
 pub use plane::Plane;
 pub use polygon::Polygon;
+pub use prism::Prism;
+pub use quadric::Quadric;
+pub use rounded::RoundedBox;
 pub use sdf::{Field, Isosurface, Sdf};
 pub use sphere::Sphere;
+pub use sphere_sweep::SphereSweep;
+pub use superellipsoid::Superellipsoid;
 pub use torus::Torus;
 pub use triangulate::triangulate;
 
@@ -110,7 +128,7 @@ macro_rules! shapes {
             #[must_use]
             pub fn is_solid(&self) -> bool {
                 match self {
-                    $(Self::$name(_) => <$inner as Solidity>::SOLID,)*
+                    $(Self::$name(s) => s.is_solid(),)*
                     Self::Custom(s) => s.is_solid(),
                 }
             }
@@ -155,6 +173,22 @@ shapes! {
     Polygon(Arc<Polygon>) = "polygon";
     /// See [`Isosurface`].
     Isosurface(Arc<Isosurface>) = "isosurface";
+    /// See [`Capsule`].
+    Capsule(Capsule) = "capsule";
+    /// See [`RoundedBox`].
+    RoundedBox(RoundedBox) = "roundedBox";
+    /// See [`Superellipsoid`].
+    Superellipsoid(Superellipsoid) = "superellipsoid";
+    /// See [`Quadric`].
+    Quadric(Arc<Quadric>) = "quadric";
+    /// See [`Prism`].
+    Prism(Arc<Prism>) = "prism";
+    /// See [`Lathe`].
+    Lathe(Arc<Lathe>) = "lathe";
+    /// See [`SphereSweep`].
+    SphereSweep(Arc<SphereSweep>) = "sphereSweep";
+    /// See [`Blob`].
+    Blob(Arc<Blob>) = "blob";
 }
 
 impl Shape {
@@ -167,6 +201,17 @@ impl Shape {
         }
     }
 
+    /// How many pieces it is made of, which counts for [`Limits::primitives`](crate::Limits::primitives).
+    pub(crate) fn pieces(&self) -> usize {
+        match self {
+            Self::Prism(s) => s.pieces(),
+            Self::Lathe(s) => s.pieces(),
+            Self::SphereSweep(s) => s.pieces(),
+            Self::Blob(s) => s.parts().len(),
+            _ => 1,
+        }
+    }
+
     /// The normal of [`Shape::surface`] alone: the texture coordinates of round shapes are angles, which cost
     /// more than the rest.
     #[inline]
@@ -176,6 +221,10 @@ impl Shape {
             Self::Cylinder(s) => s.normal(p, part),
             Self::Cone(s) => s.normal(p, part),
             Self::Torus(s) => s.normal(p),
+            Self::Capsule(s) => s.normal(p),
+            Self::RoundedBox(s) => s.normal(p),
+            Self::Superellipsoid(s) => s.normal(p),
+            Self::Blob(s) => s.normal(p),
             _ => self.surface(p, part).normal,
         }
     }
@@ -184,10 +233,19 @@ impl Shape {
 /// Whether a shape encloses a volume.
 trait Solidity {
     const SOLID: bool;
+
+    /// [`Solidity::SOLID`], but where it depends on the shape's parameters.
+    fn is_solid(&self) -> bool {
+        Self::SOLID
+    }
 }
 
 impl<T: Solidity> Solidity for Arc<T> {
     const SOLID: bool = T::SOLID;
+
+    fn is_solid(&self) -> bool {
+        T::is_solid(self)
+    }
 }
 
 /// A length a shape may have: greater than 0 and at most 1e15, which NaN is not. `what` names it in the
@@ -199,6 +257,16 @@ fn positive(what: &str, x: f64) -> Result<(), SceneError> {
     }
     Err(SceneError::new(format!(
         "{what} must be greater than 0 and at most 1e15, not {x}"
+    )))
+}
+
+/// A coordinate a shape may have: within 1e15, which neither NaN nor infinity is. `what` names it in the message.
+fn coordinate(what: impl std::fmt::Display, x: f64) -> Result<(), SceneError> {
+    if x.abs() <= 1e15 {
+        return Ok(());
+    }
+    Err(SceneError::new(format!(
+        "{what} must be a finite number within 1e15, not {x}"
     )))
 }
 

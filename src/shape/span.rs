@@ -36,6 +36,18 @@ impl Span {
         })
     }
 
+    /// From one crossing to another; `None` where they are out of order or NaN.
+    #[inline]
+    pub(super) fn between(enter: Crossing, exit: Crossing) -> Option<Self> {
+        (enter.t <= exit.t).then_some(Self { enter, exit })
+    }
+
+    /// Both ends.
+    #[inline]
+    pub(super) const fn ends(self) -> [Crossing; 2] {
+        [self.enter, self.exit]
+    }
+
     /// The whole line where `inside` holds, nothing where not.
     #[inline]
     pub(super) fn line_if(inside: bool) -> Option<Self> {

@@ -1,6 +1,6 @@
 //! The torus.
 
-use super::{CrossingSink, Solidity, Surface, positive, u_around_y};
+use super::{CrossingSink, Solidity, Surface, positive, roots::root_between, u_around_y};
 use crate::{
     math::{self, Bounds3, DVec2, DVec3, PI, Ray},
     scene::SceneError,
@@ -175,36 +175,6 @@ fn cubic_roots(p: f64, q: f64, lo: f64, hi: f64) -> [Option<f64>; 3] {
         before = x;
     }
     roots
-}
-
-/// The zero of `f` between `lo` and `hi`, from which `f` rises, or falls where `falling`: Newton's method,
-/// with a bisection wherever it leaves the bracket or does not halve its step (Press et al., Numerical
-/// Recipes, 9.4). `f` gives value and slope. Ends where a step is below 1e-17, the coordinates being within
-/// 1.
-fn root_between(f: impl Fn(f64) -> (f64, f64), mut lo: f64, mut hi: f64, falling: bool) -> f64 {
-    let mut x = 0.5 * (lo + hi);
-    let mut last_step = hi - lo;
-    // Ten rounds are usual; the bound keeps the loop finite whatever the numbers are.
-    for _ in 0..200 {
-        let (y, slope) = f(x);
-        if y == 0.0 {
-            return x;
-        }
-        if (y < 0.0) == falling {
-            hi = x;
-        } else {
-            lo = x;
-        }
-        let newton = x - y / slope;
-        let good = newton > lo && newton < hi && (newton - x).abs() <= 0.5 * last_step;
-        let next = if good { newton } else { 0.5 * (lo + hi) };
-        last_step = (next - x).abs();
-        if last_step < 1e-17 || !(next > lo && next < hi) {
-            return next;
-        }
-        x = next;
-    }
-    x
 }
 
 #[cfg(test)]

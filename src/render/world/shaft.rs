@@ -25,9 +25,9 @@ impl FewObstacles {
         // What takes long to test had better have its box tested before.
         let slow = matches!(level.primitive(index), Primitive::Shape(i)
         if level.shapes.get(i as usize).is_some_and(|placed| {
-            matches!(
+            !matches!(
                 placed.shape,
-                Shape::Torus(_) | Shape::Cone(_) | Shape::Cylinder(_) | Shape::Custom(_)
+                Shape::Sphere(_) | Shape::Cuboid(_) | Shape::Disk(_) | Shape::Plane(_) | Shape::Polygon(_)
             )
         }));
         let Some(place) = self.indices.get_mut(self.len).filter(|_| !slow) else {

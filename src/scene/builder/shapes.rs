@@ -68,7 +68,8 @@ impl Builder {
     #[inline(always)]
     pub fn shape(&mut self, shape: Shape) -> Result<(), SceneError> {
         self.require_invertible("a", shape.name())?;
-        self.add(Geometry::Shape(shape), 1)
+        let pieces = shape.pieces();
+        self.add(Geometry::Shape(shape), pieces)
     }
 
     /// A sphere.

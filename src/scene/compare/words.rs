@@ -132,6 +132,31 @@ fn shape(ways: &mut Vec<Way>, a: &Shape, b: &Shape) {
             let count = |points: &[DVec3]| points.len().to_string();
             value(ways, "points", || count(a.points()), || count(b.points()));
         }
+        (Shape::Capsule(a), Shape::Capsule(b)) => {
+            number(ways, "radius", a.radius(), b.radius());
+            number(ways, "height", a.height(), b.height());
+        }
+        (Shape::RoundedBox(a), Shape::RoundedBox(b)) => {
+            vector(ways, "size", a.size(), b.size());
+            number(ways, "radius", a.radius(), b.radius());
+        }
+        (Shape::Superellipsoid(a), Shape::Superellipsoid(b)) => {
+            number(ways, "east-west exponent", a.e(), b.e());
+            number(ways, "north-south exponent", a.n(), b.n());
+        }
+        (Shape::Quadric(_), Shape::Quadric(_)) => {
+            value(ways, "coefficients or box", String::new, String::new);
+        }
+        (Shape::Prism(a), Shape::Prism(b)) if a.height() != b.height() => {
+            number(ways, "height", a.height(), b.height());
+        }
+        (Shape::Blob(a), Shape::Blob(b)) if a.threshold() != b.threshold() => {
+            number(ways, "threshold", a.threshold(), b.threshold());
+        }
+        (Shape::Blob(_), Shape::Blob(_)) => value(ways, "parts", String::new, String::new),
+        (Shape::SphereSweep(_), Shape::SphereSweep(_)) => {
+            value(ways, "points or spline", String::new, String::new);
+        }
         (Shape::Custom(a), Shape::Custom(b)) => value(ways, "shape", || a.identity(), || b.identity()),
         _ => value(ways, "outline", String::new, String::new),
     }

@@ -9,7 +9,8 @@ use crate::{
         Geometry, Object, Scene, Term,
         literal::{Components, Number, Text, Vector},
     },
-    shape::{Isosurface, Shape},
+    shape::{BlobPart, Isosurface, Shape},
+    spline::Spline,
 };
 
 /// A term of a material.
@@ -94,6 +95,43 @@ impl Display for ShapeCall<'_> {
                 f.write_str("])")
             }
             Shape::Isosurface(s) => write!(f, "{}", IsosurfaceCall(s)),
+            Shape::Capsule(s) => write!(f, "capsule({}, {})", Number(s.radius()), Number(s.height())),
+            Shape::RoundedBox(s) => {
+                write!(f, "roundedBox({}, {})", Components(s.size()), Number(s.radius()))
+            }
+            Shape::Superellipsoid(s) => {
+                write!(f, "superellipsoid({}, {})", Number(s.e()), Number(s.n()))
+            }
+            Shape::Quadric(s) => {
+                write!(f, "quadric({}", Numbers(&s.coefficients()))?;
+                if let Some(clip) = s.clip() {
+                    write!(f, ", {}, {}", Vector(clip.min), Vector(clip.max))?;
+                }
+                f.write_str(")")
+            }
+            Shape::Prism(s) => {
+                f.write_str("prism([")?;
+                for (i, outline) in s.outlines().iter().enumerate() {
+                    let separator = if i == 0 { "" } else { ", " };
+                    write!(f, "{separator}{}", Tuples(outline))?;
+                }
+                write!(f, "], {}{})", Number(s.height()), Following(s.spline(), false))
+            }
+            Shape::Lathe(s) => {
+                let options = Following(s.spline(), s.is_closed());
+                write!(f, "lathe({}{options})", Tuples(s.points()))
+            }
+            Shape::SphereSweep(s) => {
+                let options = Following(s.spline(), false);
+                write!(f, "sphereSweep({}{options})", Tuples(s.points()))
+            }
+            Shape::Blob(s) => write!(
+                f,
+                "blob(#{{ threshold: {}, balls: [{}], cylinders: [{}] }})",
+                Number(s.threshold()),
+                Parts(s.parts(), false),
+                Parts(s.parts(), true)
+            ),
             // What only the program can make: read back, it is an unknown function, not another picture.
             Shape::Custom(s) => write!(f, "customShape({})", Text(&s.identity())),
         }
@@ -114,5 +152,66 @@ impl Display for IsosurfaceCall<'_> {
             Vector(min),
             Vector(max)
         )
+    }
+}
+
+/// `[1, 2, 3]`.
+struct Numbers<'a>(&'a [f64]);
+
+impl Display for Numbers<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("[")?;
+        for (i, x) in self.0.iter().enumerate() {
+            let separator = if i == 0 { "" } else { ", " };
+            write!(f, "{separator}{}", Number(*x))?;
+        }
+        f.write_str("]")
+    }
+}
+
+/// `[[1, 2], [3, 4]]`.
+struct Tuples<'a, const N: usize>(&'a [[f64; N]]);
+
+impl<const N: usize> Display for Tuples<'_, N> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("[")?;
+        for (i, numbers) in self.0.iter().enumerate() {
+            let separator = if i == 0 { "" } else { ", " };
+            write!(f, "{separator}{}", Numbers(numbers))?;
+        }
+        f.write_str("]")
+    }
+}
+
+/// `, #{ spline: "catmullRom", closed: true }`, or nothing for straight and open.
+struct Following(Spline, bool);
+
+impl Display for Following {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = Text(self.0.name());
+        match self {
+            Self(Spline::Linear, false) => Ok(()),
+            Self(_, false) => write!(f, ", #{{ spline: {name} }}"),
+            Self(_, true) => write!(f, ", #{{ spline: {name}, closed: true }}"),
+        }
+    }
+}
+
+/// The balls of a blob, or its cylinders.
+struct Parts<'a>(&'a [BlobPart], bool);
+
+impl Display for Parts<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(parts, cylinders) = *self;
+        let parts = parts.iter().filter(|part| part.is_ball() != cylinders);
+        for (i, part) in parts.enumerate() {
+            let separator = if i == 0 { "" } else { ", " };
+            write!(f, "{separator}[{}", Vector(part.from))?;
+            if cylinders {
+                write!(f, ", {}", Vector(part.to))?;
+            }
+            write!(f, ", {}, {}]", Number(part.radius), Number(part.strength))?;
+        }
+        Ok(())
     }
 }

@@ -25,6 +25,7 @@ mod random;
 mod sdf;
 mod sequences;
 mod shapes;
+mod solids;
 mod splines;
 mod strings;
 mod surfaces;
@@ -42,7 +43,7 @@ use rhai::Module;
 use super::table::{Entry, Kind, Param};
 
 /// Every list, in the order of the reference.
-pub(super) const ALL: [&[Entry]; 29] = [
+pub(super) const ALL: [&[Entry]; 30] = [
     edition::ENTRIES,
     camera::ENTRIES,
     views::ENTRIES,
@@ -51,6 +52,7 @@ pub(super) const ALL: [&[Entry]; 29] = [
     shapes::ENTRIES,
     csg::ENTRIES,
     sdf::ENTRIES,
+    solids::ENTRIES,
     materials::ENTRIES,
     colors::ENTRIES,
     finishes::ENTRIES,

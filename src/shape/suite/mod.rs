@@ -3,6 +3,10 @@
 //! A new shape joins by a line in [`samples`] and one in each function of [`reference`]; a test insists on
 //! the first, the compiler on the others.
 
+mod curved;
+mod edges;
+mod equals;
+mod exact;
 mod limits;
 mod properties;
 mod reference;
@@ -10,8 +14,14 @@ mod transforms;
 
 use std::sync::Arc;
 
-use super::{Cone, Crossing, Crossings, Cuboid, Cylinder, Disk, Plane, Polygon, Sdf, Shape, Sphere, Torus};
-use crate::math::{self, DMat3, DVec2, DVec3, PI, Ray, max_abs};
+use super::{
+    Blob, BlobPart, Capsule, Cone, Crossing, Cuboid, Cylinder, Disk, Lathe, Plane, Polygon, Prism, Quadric,
+    RoundedBox, Sdf, Shape, Sphere, SphereSweep, Superellipsoid, Torus,
+};
+use crate::{
+    math::{self, Bounds3, DMat3, DVec2, DVec3, PI, Ray, max_abs},
+    spline::Spline,
+};
 
 /// Seeded random numbers: SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number
 /// generators", 2014).
@@ -75,9 +85,10 @@ impl Rng {
 }
 
 pub(super) fn all_crossings(shape: &Shape, ray: &Ray) -> Vec<Crossing> {
-    let mut out = Crossings::default();
+    let mut out = Vec::new();
     shape.crossings(ray, &mut out);
-    out.as_slice().to_vec()
+    out.sort_by(|a, b| a.t.total_cmp(&b.t));
+    out
 }
 
 /// An L, a star with sharp points, and a square with a square hole reached over a bridge.
@@ -135,7 +146,148 @@ fn samples(s: f64) -> Vec<Shape> {
             shapes.push(Shape::Polygon(Arc::new(Polygon::new(points).unwrap())));
         }
     }
+    shapes.extend(rounded(s));
+    shapes.extend(swept(s));
+    shapes.extend(blobs(s));
     shapes
+}
+
+fn rounded(s: f64) -> Vec<Shape> {
+    let mut shapes = vec![
+        Shape::Capsule(Capsule::new(0.25 * s, s).unwrap()),
+        Shape::Capsule(Capsule::new(0.01 * s, 3.0 * s).unwrap()),
+        Shape::Capsule(Capsule::new(s, 2.0 * s).unwrap()),
+        Shape::RoundedBox(RoundedBox::new(DVec3::splat(s), 0.1 * s).unwrap()),
+        Shape::RoundedBox(RoundedBox::new(DVec3::new(3.0, 0.2, 0.7) * s, 0.1 * s).unwrap()),
+        Shape::RoundedBox(RoundedBox::new(DVec3::new(1.0, 2.0, 3.0) * s, 1e-3 * s).unwrap()),
+    ];
+    if s == 1.0 {
+        for (e, n) in [
+            (1.0, 1.0),
+            (0.2, 0.2),
+            (0.3, 1.5),
+            (2.0, 2.0),
+            (1.0, 0.1),
+            (3.0, 0.5),
+            (0.7, 4.0),
+            (3.0, 3.0),
+        ] {
+            shapes.push(Shape::Superellipsoid(Superellipsoid::new(e, n).unwrap()));
+        }
+    }
+    let clip = Some(Bounds3::new(
+        DVec3::new(-1.0, -1.5, -2.0) * s,
+        DVec3::new(1.0, 1.0, 1.5) * s,
+    ));
+    let (l, q) = (1.0 / s, 1.0 / (s * s));
+    let forms = [
+        (
+            [
+                q,
+                2.0 * q,
+                0.5 * q,
+                0.3 * q,
+                -0.2 * q,
+                0.1 * q,
+                0.4 * l,
+                0.0,
+                -0.3 * l,
+                -1.0,
+            ],
+            None,
+        ),
+        ([q, 2.0 * q, 0.5 * q, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0], clip),
+        ([q, -q, q, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0], clip),
+        ([q, -q, q, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -0.2], clip),
+        ([q, -q, q, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.2], clip),
+        ([q, 0.0, q, 0.0, 0.0, 0.0, 0.0, -l, 0.0, 0.0], clip),
+        ([-q, 0.0, q, 0.0, 0.0, 0.0, 0.0, l, 0.0, 0.0], clip),
+        ([-q, -q, -q, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], clip),
+        ([0.0, 0.0, 0.0, q, 0.0, 0.0, 0.0, 0.0, 0.0, -0.25], clip),
+        ([q, 0.0, q, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -0.25], clip),
+        ([q, 0.0, q, 0.0, 0.0, 0.0, 0.0, -l, 0.0, 0.0], None),
+    ];
+    for (coefficients, clip) in forms {
+        shapes.push(Shape::Quadric(Arc::new(
+            Quadric::new(coefficients, clip).unwrap(),
+        )));
+    }
+    shapes
+}
+
+/// Points on an uneven ring, with neighbours far and near.
+pub(super) fn ring(n: usize) -> Vec<[f64; 2]> {
+    let corner = |i: usize| {
+        let (s, c) = math::sin_cos_degrees(360.0 * i as f64 / n as f64);
+        let r = if i % 2 == 0 { 1.0 } else { 0.6 };
+        [r * c, r * s]
+    };
+    (0..n).map(corner).collect()
+}
+
+fn swept(s: f64) -> Vec<Shape> {
+    let times = |points: &[[f64; 2]], s: f64| points.iter().map(|p| p.map(|x| x * s)).collect::<Vec<_>>();
+    let star = times(&ring(10), s);
+    let hole = times(&ring(6), 0.3 * s);
+    let crossed: Vec<[f64; 2]> = [0, 2, 4, 1, 3].iter().map(|i| star[2 * i]).collect();
+    let prism = |outlines: &[&Vec<[f64; 2]>], kind, height: f64| {
+        let outlines = outlines.iter().map(|o| o.to_vec()).collect();
+        Shape::Prism(Arc::new(Prism::new(outlines, kind, height * s).unwrap()))
+    };
+    let lathe = |points: &[[f64; 2]], kind, closed| {
+        Shape::Lathe(Arc::new(Lathe::new(times(points, s), kind, closed).unwrap()))
+    };
+    let sweep = |points: &[[f64; 4]], kind| {
+        let points = points.iter().map(|p| p.map(|x| x * s)).collect();
+        Shape::SphereSweep(Arc::new(SphereSweep::new(points, kind).unwrap()))
+    };
+    let vase = [
+        [0.0, -1.0],
+        [0.6, -1.0],
+        [0.8, -0.3],
+        [0.2, 0.5],
+        [0.5, 1.0],
+        [0.0, 0.9],
+    ];
+    let tire: Vec<[f64; 2]> = ring(8).into_iter().map(|[x, y]| [2.0 + x, y]).collect();
+    let path = [
+        [0.0, 0.0, 0.0, 0.3],
+        [1.0, 0.5, 0.0, 0.1],
+        [1.5, -0.5, 1.0, 0.4],
+        [0.0, -0.5, 1.5, 0.2],
+        [-0.5, 0.4, 0.2, 0.0],
+    ];
+    vec![
+        prism(&[&star], Spline::Linear, 1.0),
+        prism(&[&star, &hole], Spline::CatmullRom, 0.3),
+        prism(&[&crossed], Spline::Linear, 2.0),
+        prism(&[&hole[..].to_vec()], Spline::Bezier, 4.0),
+        lathe(&vase, Spline::Linear, false),
+        lathe(&vase, Spline::CatmullRom, false),
+        lathe(&tire, Spline::CatmullRom, true),
+        lathe(&tire, Spline::Linear, true),
+        lathe(&vase[1..5], Spline::CatmullRom, false),
+        sweep(&path, Spline::Linear),
+        sweep(&path, Spline::CatmullRom),
+        sweep(&path[..4], Spline::Bezier),
+        sweep(&[[0.0, 0.0, 0.0, 0.5], [0.0, 2.0, 0.0, 0.5]], Spline::Linear),
+        sweep(&[[0.0, 0.0, 0.0, 1.0], [0.2, 0.2, 0.0, 0.5]], Spline::Linear),
+    ]
+}
+
+fn blobs(s: f64) -> Vec<Shape> {
+    let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z) * s;
+    let ball = BlobPart::ball(at(0.0, 0.0, 0.0), s, 1.0);
+    let several = vec![
+        ball,
+        BlobPart::ball(at(1.1, 0.2, 0.0), 0.9 * s, 1.5),
+        BlobPart::ball(at(0.5, -0.2, 0.8), 0.7 * s, -1.0),
+        BlobPart::rod(at(-1.0, -1.0, 0.0), at(0.0, 1.5, 0.5), 0.6 * s, 1.2),
+    ];
+    [vec![ball], several]
+        .into_iter()
+        .map(|parts| Shape::Blob(Arc::new(Blob::new(0.4, parts).unwrap())))
+        .collect()
 }
 
 /// Half the longest edge of the bounds and their center; for the plane that of its interesting part.
@@ -170,15 +322,49 @@ fn random_ray(shape: &Shape, s: f64, rng: &mut Rng) -> Ray {
     Ray::new(origin, dir * rng.magnitude(-6.0, 6.0))
 }
 
-/// Calls `check` with every shape at five scales, its crossings with many rays, and a label for messages.
-fn for_all(rays: usize, mut check: impl FnMut(&Shape, f64, &Ray, &[Crossing], &str)) {
+/// Whether the shape is made of curves or of polynomials of a high degree.
+fn is_curved(shape: &Shape) -> bool {
+    matches!(
+        shape,
+        Shape::Superellipsoid(_) | Shape::Prism(_) | Shape::Lathe(_) | Shape::SphereSweep(_) | Shape::Blob(_)
+    )
+}
+
+/// What to say of a ray that is not answered right.
+struct Label<'a> {
+    number: usize,
+    shape: &'a Shape,
+    ray: &'a Ray,
+    found: &'a [Crossing],
+}
+
+impl std::fmt::Display for Label<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Label {
+            number,
+            shape,
+            ray,
+            found,
+        } = self;
+        write!(f, "ray {number} {ray:?} on {shape:?}: {found:?}")
+    }
+}
+
+/// Calls `check` with every shape at five scales, its crossings with many rays, and a label for messages. Shapes of
+/// curves, of which everything takes longer, get fewer rays.
+fn for_all(rays: usize, mut check: impl FnMut(&Shape, f64, &Ray, &[Crossing], &Label)) {
     let mut rng = Rng::new(1);
     for s in [1e-6, 1e-3, 1.0, 1e3, 1e6] {
         for shape in samples(s) {
-            for i in 0..rays {
+            for number in 0..if is_curved(&shape) { rays / 50 } else { rays } {
                 let ray = random_ray(&shape, s, &mut rng);
                 let found = all_crossings(&shape, &ray);
-                let label = format!("ray {i} {ray:?} on {shape:?}: {found:?}");
+                let label = Label {
+                    number,
+                    shape: &shape,
+                    ray: &ray,
+                    found: &found,
+                };
                 check(&shape, s, &ray, &found, &label);
             }
         }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::{
     super::{Crossings, Shape},
-    Rng, all_crossings, extent, for_all,
+    Rng, all_crossings, extent, for_all, is_curved,
     reference::{distance, edge_distance},
     samples,
 };
@@ -37,6 +37,15 @@ fn crossings_lie_on_the_surface_and_in_the_bounds() {
         for c in found {
             let p = ray.at(c.t);
             let d = distance(shape, p).abs();
+            // A curve's point is rounded once more for each of its coordinates and its frame.
+            let slack = if is_curved(shape) { 5.0 * slack } else { slack };
+            // What has no end is met anywhere.
+            let slack = slack
+                + if shape.bounds().is_none() {
+                    2e-15 * max_abs(p)
+                } else {
+                    0.0
+                };
             assert!(d <= slack, "off by {d:e}, {} slack: {label}", d / slack);
             if let Some(b) = shape.bounds() {
                 let outside = (b.min - p).max(p - b.max).max_element();
@@ -115,7 +124,8 @@ fn normals_agree_with_finite_differences() {
             // The tip of a cone and the center of a closed torus have no tangent plane.
             let pointed = matches!(shape, Shape::Cone(_) | Shape::Torus(_))
                 && DVec2::new(p.x, p.z).length() < 1e4 * step;
-            if n.dot(d).abs() > 0.3 && !pointed {
+            let at_an_edge = edge_distance(shape, p) < 1e2 * step;
+            if n.dot(d).abs() > 0.3 && !pointed && !at_an_edge {
                 let measured = a.cross(b).normalize();
                 let off = measured.cross(n).length();
                 assert!(off < 2e-2, "{measured} is not {n}, off by {off}: {label}");

@@ -41,7 +41,7 @@ pub(super) fn distance(shape: &Shape, p: DVec3) -> f64 {
         Shape::Polygon(polygon) => distance_to_polygon(polygon, p),
         // Those among the samples are balls, whose fields are their distances.
         Shape::Isosurface(surface) => surface.field().at(p),
-        Shape::Custom(_) => panic!("none of ours"),
+        _ => super::curved::distance(shape, p),
     }
 }
 
@@ -77,7 +77,6 @@ fn distance_to_edges(points: &[DVec3], p: DVec3) -> f64 {
 pub(super) fn edge_distance(shape: &Shape, p: DVec3) -> f64 {
     let ring = |r: f64, y: f64| DVec2::new(DVec2::new(p.x, p.z).length() - r, p.y - y).length();
     match shape {
-        Shape::Custom(_) => panic!("none of ours"),
         Shape::Cuboid(c) => {
             let mut q = (p.abs() - c.size() * 0.5).abs().to_array();
             q.sort_by(f64::total_cmp);
@@ -89,5 +88,6 @@ pub(super) fn edge_distance(shape: &Shape, p: DVec3) -> f64 {
         Shape::Torus(t) if t.major() == t.minor() => p.length(),
         Shape::Polygon(polygon) => distance_to_edges(polygon.points(), p),
         Shape::Sphere(_) | Shape::Torus(_) | Shape::Plane(_) | Shape::Isosurface(_) => f64::INFINITY,
+        _ => super::curved::edge_distance(shape, p),
     }
 }

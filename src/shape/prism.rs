@@ -1,0 +1,272 @@
+//! The prism: an outline swept along Y.
+
+use super::{
+    Crossing, CrossingSink, Solidity, Surface, coordinate,
+    pieces::{Frame, Tree, line_meets},
+    positive,
+    roots::{Bernstein, nearest},
+    span::Span,
+};
+use crate::{
+    math::{Bounds3, DVec2, DVec3, Ray},
+    scene::SceneError,
+    spline::{Piece, Spline},
+};
+
+/// One or more closed outlines in x and z, swept along Y and closed by flat ends; centered in y.
+///
+/// Parameters in object units: the outlines, each a list of [x, z]; how the curve follows the points; the whole height.
+/// A point is inside where a line from it crosses the outlines an odd number of times, so an outline within another is a
+/// hole, and one within the hole is solid again, whichever way they run. Solid. Normals outwards.
+///
+/// uv: on the walls u along each outline, every piece between points taking the same part, and v from the bottom to the
+/// top; on the ends the rectangle around all outlines, upright as on a cylinder's.
+#[derive(Clone, PartialEq)]
+pub struct Prism {
+    outlines: Vec<Vec<[f64; 2]>>,
+    spline: Spline,
+    height: f64,
+    frame: Frame,
+    /// Half of the height in the frame.
+    half: f64,
+    /// In the frame, outline after outline.
+    walls: Vec<Wall>,
+    tree: Tree,
+    bounds: Bounds3,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Wall {
+    piece: Piece<2>,
+    /// u of its beginning and of its end.
+    u: [f64; 2],
+}
+
+/// The outlines, how they are curved, and the height; all else follows from them.
+impl std::fmt::Debug for Prism {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Prism")
+            .field("outlines", &self.outlines)
+            .field("spline", &self.spline)
+            .field("height", &self.height)
+            .finish()
+    }
+}
+
+impl Solidity for Prism {
+    const SOLID: bool = true;
+}
+
+const BOTTOM: u32 = 0;
+const TOP: u32 = 1;
+/// Wall i has the parts 2 + 2 i, its outside to the right of the outline, and 3 + 2 i, to the left of it.
+const WALLS: u32 = 2;
+
+/// More outline points than this are refused: their parts could not be numbered.
+const MOST: usize = 10_000_000;
+
+impl Prism {
+    /// The prism over these outlines of [x, z], of this whole height in object units.
+    ///
+    /// # Errors
+    /// Where there is no outline, one has too few points, a coordinate is not finite or beyond 1e15, all points are in
+    /// one line, or the height is not greater than 0.
+    pub fn new(outlines: Vec<Vec<[f64; 2]>>, spline: Spline, height: f64) -> Result<Self, SceneError> {
+        positive("the prism's height", height)?;
+        if outlines.is_empty() || outlines.iter().map(Vec::len).sum::<usize>() > MOST {
+            return Err(SceneError::new(format!(
+                "the prism must have at least one outline, and at most {MOST} points"
+            )));
+        }
+        let mut loops = Vec::with_capacity(outlines.len());
+        for (i, outline) in outlines.iter().enumerate() {
+            for (j, point) in outline.iter().enumerate() {
+                for (x, axis) in point.iter().zip(["x", "z"]) {
+                    coordinate(format_args!("the prism's outline {i}, points[{j}], {axis}"), *x)?;
+                }
+            }
+            let pieces = spline.pieces(outline, true).map_err(|e| {
+                SceneError::new(format!("the prism's outline {i} must have {e}"))
+                    .hint("an outline closes by itself: its first point need not be repeated")
+            })?;
+            loops.push(pieces);
+        }
+        let corner = |p: &[f64; 2], y: f64| DVec3::new(p[0], y, p[1]);
+        let all = loops.iter().flatten().flat_map(|piece| &piece.0);
+        let flat = Bounds3::around(all.map(|p| corner(p, 0.0)));
+        let size = flat.size();
+        if !(size.x > 0.0 && size.z > 0.0) {
+            return Err(SceneError::new("the prism's points must not be in one line"));
+        }
+        let bounds = Bounds3::new(
+            flat.min - DVec3::Y * (0.5 * height),
+            flat.max + DVec3::Y * (0.5 * height),
+        );
+        let frame = Frame::around(&bounds);
+        let framed = |p: [f64; 2]| {
+            let p = frame.of(corner(&p, 0.0));
+            [p.x, p.z]
+        };
+        let walls: Vec<Wall> = loops
+            .iter()
+            .flat_map(|pieces| {
+                let n = pieces.len() as f64;
+                pieces.iter().enumerate().map(move |(i, piece)| Wall {
+                    piece: Piece(piece.0.map(framed)),
+                    u: [i as f64 / n, (i + 1) as f64 / n],
+                })
+            })
+            .collect();
+        let boxes: Vec<Bounds3> = walls
+            .iter()
+            .map(|wall| Bounds3::around(wall.piece.0.iter().map(|p| corner(p, 0.0))))
+            .collect();
+        Ok(Self {
+            half: 0.5 * height / frame.scale(),
+            tree: Tree::new(&boxes),
+            outlines,
+            spline,
+            height,
+            frame,
+            walls,
+            bounds,
+        })
+    }
+
+    /// The outlines, each of points [x, z].
+    #[must_use]
+    pub fn outlines(&self) -> &[Vec<[f64; 2]>] {
+        &self.outlines
+    }
+
+    /// How the outlines follow their points.
+    #[must_use]
+    pub const fn spline(&self) -> Spline {
+        self.spline
+    }
+
+    /// The whole height.
+    #[must_use]
+    pub const fn height(&self) -> f64 {
+        self.height
+    }
+
+    pub(super) fn pieces(&self) -> usize {
+        self.walls.len()
+    }
+
+    pub(super) fn bounds(&self) -> Option<Bounds3> {
+        Some(self.bounds)
+    }
+
+    pub(super) fn crossings(&self, ray: &Ray, out: &mut impl CrossingSink) {
+        let Some(line) = self.frame.line(ray) else {
+            return;
+        };
+        let (o, d) = (line.ray.origin, line.ray.dir);
+        let Some(slab) = Span::slab(o.y, d.y, self.half, BOTTOM, TOP) else {
+            return;
+        };
+        let level = (d.x * d.x + d.z * d.z).sqrt();
+        // So nearly upright that it does not leave the place within the height: the squares would vanish.
+        if level * self.half <= 1e-30 * d.y.abs() {
+            let beyond = self.walls_met(DVec2::new(o.x, o.z), DVec2::X);
+            if beyond.iter().filter(|c| c.along > 0.0).count() % 2 == 1 {
+                let [enter, exit] = slab.ends();
+                out.push(line.t(enter.t), enter.part);
+                out.push(line.t(exit.t), exit.part);
+            }
+            return;
+        }
+        let mut met = self.walls_met(DVec2::new(o.x, o.z), DVec2::new(d.x, d.z) / level);
+        met.sort_by(|a, b| a.along.total_cmp(&b.along).then(a.wall.cmp(&b.wall)));
+        let (pairs, _) = met.as_chunks::<2>();
+        for [enter, exit] in pairs {
+            let span = Span::between(enter.crossing(level, true), exit.crossing(level, false));
+            if let Some(span) = span.and_then(|span| slab.clip(span)) {
+                let [enter, exit] = span.ends();
+                out.push(line.t(enter.t), enter.part);
+                out.push(line.t(exit.t), exit.part);
+            }
+        }
+    }
+
+    /// Where a line in the plane of the outlines crosses them. A point that two pieces share is on one side of the
+    /// line for both, so the number is even.
+    fn walls_met(&self, o: DVec2, d: DVec2) -> Vec<Met> {
+        let mut met = Vec::new();
+        let flat = Ray::new(DVec3::new(o.x, 0.0, o.y), DVec3::new(d.x, 0.0, d.y));
+        self.tree.each(
+            |b| line_meets(&flat, b),
+            |i| {
+                let Some(wall) = self.walls.get(i as usize) else {
+                    return;
+                };
+                let off = wall.piece.0.map(|p| DVec2::from(p) - o);
+                Bernstein(off.map(|p| d.perp_dot(p))).sign_changes(&mut |u, falls| {
+                    let along = Bernstein(off.map(|p| d.dot(p))).at(u).0;
+                    met.push(Met {
+                        along,
+                        wall: i,
+                        falls,
+                    });
+                });
+            },
+        );
+        met
+    }
+
+    pub(super) fn surface(&self, p: DVec3, part: u32) -> Surface {
+        let q = self.frame.of(p);
+        if part < WALLS {
+            let (min, size) = (self.bounds.min, self.bounds.size());
+            let u = (p.x - min.x) / size.x;
+            let v = (p.z - min.z) / size.z;
+            let (normal, v) = if part == BOTTOM {
+                (DVec3::NEG_Y, v)
+            } else {
+                (DVec3::Y, 1.0 - v)
+            };
+            return Surface {
+                normal,
+                uv: DVec2::new(u, v).clamp(DVec2::ZERO, DVec2::ONE),
+            };
+        }
+        let number = (part - WALLS) / 2;
+        let Some(wall) = self.walls.get(number as usize) else {
+            return Surface {
+                normal: DVec3::Y,
+                uv: DVec2::ZERO,
+            };
+        };
+        let at = nearest(&wall.piece, [q.x, q.z], [1.0, 1.0]);
+        let [x, z] = wall.piece.tangent(at);
+        let right = DVec3::new(z, 0.0, -x);
+        let u = wall.u[0] + (wall.u[1] - wall.u[0]) * at;
+        let normal = if part.is_multiple_of(2) { right } else { -right };
+        Surface {
+            normal: if normal == DVec3::ZERO { DVec3::X } else { normal },
+            uv: DVec2::new(u, 0.5 * (q.y / self.half) + 0.5).clamp(DVec2::ZERO, DVec2::ONE),
+        }
+    }
+}
+
+/// A line in the plane of the outlines crosses a wall.
+struct Met {
+    /// How far along the line.
+    along: f64,
+    wall: u32,
+    /// The outline goes from the line's left to its right.
+    falls: bool,
+}
+
+impl Met {
+    /// The crossing of a line that goes `level` in the plane for each of its ways. Where the outline goes to the
+    /// line's right, what is to the outline's right looks towards the line's beginning.
+    fn crossing(&self, level: f64, enters: bool) -> Crossing {
+        Crossing {
+            t: self.along / level,
+            part: WALLS + 2 * self.wall + u32::from(self.falls != enters),
+        }
+    }
+}
