@@ -16,6 +16,7 @@ use super::{
 use crate::{
     diag::{Diagnostic, ErrorKind, nearest_names},
     host::resolve,
+    math::DVec3,
     scene::{Builder, MaterialId, Mesh},
 };
 
@@ -75,6 +76,26 @@ pub fn load_mesh_shape(
     builder: &mut Builder,
 ) -> Result<Arc<Mesh>, Diagnostic> {
     load(path, false, Kinds::All, assets, builder)
+}
+
+/// The positions of an OBJ file, and the corners of its faces as they stand there, not cut into triangles. Nothing else of the
+/// file is used.
+///
+/// # Errors
+/// As [`load_obj`].
+pub fn load_polygons(path: &str, assets: &mut Assets<'_>) -> Result<(Vec<DVec3>, Vec<Vec<u32>>), Diagnostic> {
+    let bytes = assets.read(path)?;
+    let text = wavefront::text(path, &bytes)?;
+    let source = Source::new(path, &text, ErrorKind::Input);
+    let checked = guard::check(&source, assets)?;
+    let mut start = 0;
+    let faces = checked.faces.iter().map(|face| {
+        let corners = checked.corners.get(start..face.end).unwrap_or(&[]);
+        start = face.end;
+        corners.iter().map(|corner| corner.position).collect()
+    });
+    let faces = faces.collect();
+    Ok((checked.positions, faces))
 }
 
 /// Kinds of files that are taken.

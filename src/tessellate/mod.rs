@@ -9,6 +9,7 @@ mod curve;
 mod heights;
 mod parametric;
 mod refine;
+mod subdivide;
 mod text;
 
 pub use allowance::Allowance;
@@ -16,6 +17,7 @@ pub use bezier::BezierPatches;
 pub use curve::{Curve, CurveEnd, CurveKind};
 pub use heights::{HeightField, Heights};
 pub use parametric::Parametric;
+pub use subdivide::{Cage, Scheme};
 pub use text::{Align, Font, Text, TextSize, VerticalAlign};
 
 #[cfg(test)]

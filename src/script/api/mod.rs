@@ -28,6 +28,7 @@ mod shapes;
 mod solids;
 mod splines;
 mod strings;
+mod subdivide;
 mod surfaces;
 mod text;
 mod transform;
@@ -43,7 +44,7 @@ use rhai::Module;
 use super::table::{Entry, Kind, Param};
 
 /// Every list, in the order of the reference.
-pub(super) const ALL: [&[Entry]; 30] = [
+pub(super) const ALL: [&[Entry]; 31] = [
     edition::ENTRIES,
     camera::ENTRIES,
     views::ENTRIES,
@@ -61,6 +62,7 @@ pub(super) const ALL: [&[Entry]; 30] = [
     heights::ENTRIES,
     text::ENTRIES,
     surfaces::ENTRIES,
+    subdivide::ENTRIES,
     curves::ENTRIES,
     lights::ENTRIES,
     queries::ENTRIES,

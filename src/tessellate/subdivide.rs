@@ -1,0 +1,663 @@
+//! Subdivision surfaces: Catmull-Clark for polygons, Loop for triangles.
+
+use std::collections::BTreeMap;
+
+use super::{Allowance, allowance::STEPS_PER_QUESTION};
+use crate::{
+    math::{self, DVec3, PI},
+    scene::{Attribute, Mesh, SceneError},
+};
+
+/// Which rule divides the faces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Scheme {
+    /// Loop where all faces are triangles, Catmull-Clark elsewhere.
+    #[default]
+    Auto,
+    /// Each face into quads (Catmull and Clark, 1978).
+    CatmullClark,
+    /// Each triangle into four (Loop, 1987). All faces must be triangles.
+    Loop,
+}
+
+/// A cage of polygons, to be divided into a smooth surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cage {
+    /// Corners.
+    pub positions: Vec<DVec3>,
+    /// Corners of each face as indices into `positions`, counter-clockwise seen from the front.
+    pub faces: Vec<Vec<u32>>,
+    /// Edges that stay sharp: their two ends, and for how many levels. Edges at the rim always do.
+    pub creases: Vec<([u32; 2], f64)>,
+    /// How often faces are divided, at most 8.
+    pub levels: u32,
+    /// Default: by the faces.
+    pub scheme: Scheme,
+    /// Whether the corners are moved to where endless division would bring them. Default: true.
+    pub to_the_limit: bool,
+}
+
+/// Levels at most.
+const MOST_LEVELS: u32 = 8;
+
+impl Cage {
+    /// A cage without creases.
+    #[must_use]
+    pub const fn new(positions: Vec<DVec3>, faces: Vec<Vec<u32>>, levels: u32) -> Self {
+        Self {
+            positions,
+            faces,
+            creases: Vec::new(),
+            levels,
+            scheme: Scheme::Auto,
+            to_the_limit: true,
+        }
+    }
+
+    /// Its triangles, with the normals of the smooth surface; along creases each side has its own.
+    ///
+    /// # Errors
+    /// Where there are no faces, one has fewer than three corners, a corner twice or one that there is not, three faces meet
+    /// at an edge or two run along it the same way, a crease is no edge, or the triangles are too many.
+    pub fn mesh(&self, allowance: &Allowance<'_>) -> Result<Mesh, SceneError> {
+        let is_loop = self.check()?;
+        let growth = 4usize.saturating_pow(self.levels);
+        let cuts: usize = self.faces.iter().map(|face| face.len() - 2).sum();
+        // A face of n corners becomes n quads.
+        let corners: usize = self.faces.iter().map(Vec::len).sum();
+        let most = match (is_loop, self.levels) {
+            (true, _) | (_, 0) => cuts.saturating_mul(growth),
+            _ => corners.saturating_mul(growth / 4).saturating_mul(2),
+        };
+        allowance.triangles(most)?;
+        let mut net = Net {
+            positions: self.positions.clone(),
+            faces: self.faces.clone(),
+            creases: self
+                .creases
+                .iter()
+                .map(|([a, b], sharpness)| ((*a.min(b), *a.max(b)), *sharpness))
+                .collect(),
+        };
+        let mut topology = net.topology()?;
+        if let Some(((a, b), _)) = net
+            .creases
+            .iter()
+            .find(|(edge, _)| !topology.edges.contains_key(edge))
+        {
+            return Err(SceneError::new(format!(
+                "the crease from {a} to {b} is no edge of a face"
+            )));
+        }
+        for _ in 0..self.levels {
+            allowance.check_stop()?;
+            net = net.divided(&topology, is_loop, allowance)?;
+            topology = net.topology()?;
+        }
+        if self.to_the_limit && self.levels > 0 {
+            net.positions = net.limit(&topology, is_loop);
+        }
+        net.mesh(&topology)
+    }
+
+    fn check(&self) -> Result<bool, SceneError> {
+        if self.levels > MOST_LEVELS {
+            return Err(SceneError::new(format!(
+                "levels must be from 0 to {MOST_LEVELS}, not {}",
+                self.levels
+            )));
+        }
+        if self.faces.is_empty() {
+            return Err(SceneError::new("there are no faces"));
+        }
+        let count = self.positions.len();
+        for (i, face) in self.faces.iter().enumerate() {
+            if face.len() < 3 {
+                return Err(SceneError::new(format!(
+                    "face {i} has {} corners; expected 3 or more",
+                    face.len()
+                )));
+            }
+            if let Some(corner) = face.iter().find(|corner| **corner as usize >= count) {
+                return Err(SceneError::new(format!(
+                    "face {i} has the corner {corner}, but there are {count} positions, numbered from 0"
+                )));
+            }
+            let mut sorted = face.clone();
+            sorted.sort_unstable();
+            if let Some([corner, _]) = sorted.array_windows::<2>().find(|[a, b]| a == b) {
+                return Err(SceneError::new(format!("face {i} has the corner {corner} twice")));
+            }
+        }
+        if let Some(i) = self.positions.iter().position(|p| !(math::max_abs(*p) <= 1e15)) {
+            return Err(SceneError::new(format!(
+                "position {i} is not within 1e15 of the origin"
+            )));
+        }
+        if let Some(([a, b], sharpness)) = self.creases.iter().find(|(_, s)| !(*s >= 0.0)) {
+            return Err(SceneError::new(format!(
+                "the crease from {a} to {b} must be 0 or sharper, not {sharpness}"
+            )));
+        }
+        let triangles = self.faces.iter().all(|face| face.len() == 3);
+        match self.scheme {
+            Scheme::Auto => Ok(triangles),
+            Scheme::CatmullClark => Ok(false),
+            Scheme::Loop if triangles => Ok(true),
+            Scheme::Loop => Err(
+                SceneError::new("Loop's rule takes triangles, but a face has more corners")
+                    .hint("scheme: \"catmullClark\" takes any polygons"),
+            ),
+        }
+    }
+}
+
+/// An edge by its ends, the smaller first.
+type Edge = (u32, u32);
+
+const fn edge(a: u32, b: u32) -> Edge {
+    if a < b { (a, b) } else { (b, a) }
+}
+
+struct Net {
+    positions: Vec<DVec3>,
+    faces: Vec<Vec<u32>>,
+    creases: BTreeMap<Edge, f64>,
+}
+
+/// What lies next to what.
+struct Topology {
+    /// The faces at each edge: one or two.
+    edges: BTreeMap<Edge, [u32; 2]>,
+    /// Edges from each corner, by the corners at their other ends, ascending.
+    neighbors: Vec<Vec<u32>>,
+    /// Faces at each corner, ascending.
+    faces: Vec<Vec<u32>>,
+}
+
+const NO_FACE: u32 = u32::MAX;
+
+fn corners_of(face: &[u32]) -> impl Iterator<Item = (u32, u32)> {
+    face.iter().copied().zip(face.iter().copied().cycle().skip(1))
+}
+
+impl Net {
+    fn topology(&self) -> Result<Topology, SceneError> {
+        let mut directed: BTreeMap<(u32, u32), u32> = BTreeMap::new();
+        let mut faces = vec![Vec::new(); self.positions.len()];
+        for (id, face) in (0..).zip(&self.faces) {
+            for (a, b) in corners_of(face) {
+                if let Some(other) = directed.insert((a, b), id) {
+                    return Err(SceneError::new(format!(
+                        "faces {other} and {id} both run from corner {a} to corner {b}"
+                    ))
+                    .hint("at an edge two faces meet, which run along it in opposite directions"));
+                }
+                if let Some(list) = faces.get_mut(a as usize) {
+                    list.push(id);
+                }
+            }
+        }
+        let mut edges: BTreeMap<Edge, [u32; 2]> = BTreeMap::new();
+        let mut neighbors = vec![Vec::new(); self.positions.len()];
+        for (&(a, b), &face) in &directed {
+            let opposite = directed.get(&(b, a)).copied().unwrap_or(NO_FACE);
+            if edges.insert(edge(a, b), [face, opposite]).is_none() {
+                for (from, to) in [(a, b), (b, a)] {
+                    if let Some(list) = neighbors.get_mut(from as usize) {
+                        list.push(to);
+                    }
+                }
+            }
+        }
+        neighbors
+            .iter_mut()
+            .for_each(|list: &mut Vec<u32>| list.sort_unstable());
+        Ok(Topology {
+            edges,
+            neighbors,
+            faces,
+        })
+    }
+
+    fn at(&self, corner: u32) -> DVec3 {
+        self.positions.get(corner as usize).copied().unwrap_or_default()
+    }
+
+    fn face(&self, face: u32) -> &[u32] {
+        self.faces.get(face as usize).map_or(&[], |face| face)
+    }
+
+    fn center(&self, face: &[u32]) -> DVec3 {
+        face.iter().map(|corner| self.at(*corner)).sum::<DVec3>() / face.len() as f64
+    }
+
+    /// How sharp an edge is: endlessly at the rim.
+    fn sharpness(&self, topology: &Topology, edge: Edge) -> f64 {
+        match topology.edges.get(&edge) {
+            Some([_, NO_FACE]) => f64::INFINITY,
+            _ => self.creases.get(&edge).copied().unwrap_or(0.0),
+        }
+    }
+
+    /// The ends of the sharp edges at a corner, and the mean of their sharpness.
+    fn sharp_at(&self, topology: &Topology, corner: u32) -> (Vec<u32>, f64) {
+        let neighbors = topology
+            .neighbors
+            .get(corner as usize)
+            .map_or(&[][..], |list| list);
+        let mut sum = 0.0;
+        let mut sharp = Vec::new();
+        for &other in neighbors {
+            let sharpness = self.sharpness(topology, edge(corner, other));
+            if sharpness > 0.0 {
+                sharp.push(other);
+                sum += sharpness;
+            }
+        }
+        let mean = if sharp.is_empty() {
+            0.0
+        } else {
+            sum / sharp.len() as f64
+        };
+        (sharp, mean)
+    }
+
+    /// Where a corner goes in one step.
+    fn moved(&self, topology: &Topology, corner: u32, is_loop: bool) -> DVec3 {
+        let p = self.at(corner);
+        let (sharp, sharpness) = self.sharp_at(topology, corner);
+        let hard = match sharp[..] {
+            [a, b] => (self.at(a) + self.at(b) + p * 6.0) / 8.0,
+            _ if sharp.len() > 2 => p,
+            _ => return self.smooth(topology, corner, is_loop),
+        };
+        if sharpness >= 1.0 {
+            return hard;
+        }
+        // Semi-sharp (DeRose, Kass and Truong, "Subdivision surfaces in character animation", 1998).
+        self.smooth(topology, corner, is_loop).lerp(hard, sharpness)
+    }
+
+    fn smooth(&self, topology: &Topology, corner: u32, is_loop: bool) -> DVec3 {
+        let p = self.at(corner);
+        let neighbors = topology
+            .neighbors
+            .get(corner as usize)
+            .map_or(&[][..], |list| list);
+        let faces = topology.faces.get(corner as usize).map_or(&[][..], |list| list);
+        if neighbors.is_empty() || faces.is_empty() {
+            return p;
+        }
+        let n = neighbors.len() as f64;
+        let sum: DVec3 = neighbors.iter().map(|other| self.at(*other)).sum();
+        if is_loop {
+            let beta = loop_weight(neighbors.len());
+            return p * (1.0 - n * beta) + sum * beta;
+        }
+        let centers: DVec3 = faces.iter().map(|face| self.center(self.face(*face))).sum();
+        let middles = (sum / n + p) / 2.0;
+        (centers / faces.len() as f64 + middles * 2.0 + p * (n - 3.0)) / n
+    }
+
+    /// The new corner of an edge.
+    fn middle(&self, topology: &Topology, edge: Edge, faces: [u32; 2], is_loop: bool) -> DVec3 {
+        let (a, b) = edge;
+        let middle = (self.at(a) + self.at(b)) / 2.0;
+        let sharpness = self.sharpness(topology, edge);
+        if sharpness >= 1.0 {
+            return middle;
+        }
+        let smooth = if is_loop {
+            let opposite = faces.map(|face| {
+                let across = self
+                    .face(face)
+                    .iter()
+                    .find(|corner| **corner != a && **corner != b);
+                across.map_or(middle, |corner| self.at(*corner))
+            });
+            middle * 0.75 + (opposite[0] + opposite[1]) / 8.0
+        } else {
+            let [f, g] = faces.map(|face| self.center(self.face(face)));
+            (middle * 2.0 + f + g) / 4.0
+        };
+        smooth.lerp(middle, sharpness)
+    }
+
+    fn divided(
+        &self,
+        topology: &Topology,
+        is_loop: bool,
+        allowance: &Allowance<'_>,
+    ) -> Result<Self, SceneError> {
+        let mut positions = Vec::new();
+        for corner in 0..self.positions.len() as u32 {
+            if corner as usize % STEPS_PER_QUESTION == 0 {
+                allowance.check_stop()?;
+            }
+            positions.push(self.moved(topology, corner, is_loop));
+        }
+        let mut middles = BTreeMap::new();
+        let mut creases = BTreeMap::new();
+        for (i, (&edge_here, &faces)) in topology.edges.iter().enumerate() {
+            if i % STEPS_PER_QUESTION == 0 {
+                allowance.check_stop()?;
+            }
+            let id = positions.len() as u32;
+            positions.push(self.middle(topology, edge_here, faces, is_loop));
+            middles.insert(edge_here, id);
+            let sharpness = self.creases.get(&edge_here).copied().unwrap_or(0.0) - 1.0;
+            if sharpness > 0.0 {
+                let (a, b) = edge_here;
+                creases.insert(edge(a, id), sharpness);
+                creases.insert(edge(b, id), sharpness);
+            }
+        }
+        let middle = |a: u32, b: u32| middles.get(&edge(a, b)).copied().unwrap_or(a);
+        let mut faces = Vec::new();
+        for (i, face) in self.faces.iter().enumerate() {
+            if i % STEPS_PER_QUESTION == 0 {
+                allowance.check_stop()?;
+            }
+            if let ([a, b, c], true) = (face.as_slice(), is_loop) {
+                let (ab, bc, ca) = (middle(*a, *b), middle(*b, *c), middle(*c, *a));
+                faces.extend([
+                    vec![*a, ab, ca],
+                    vec![ab, *b, bc],
+                    vec![ca, bc, *c],
+                    vec![ab, bc, ca],
+                ]);
+                continue;
+            }
+            let center = positions.len() as u32;
+            positions.push(self.center(face));
+            let before = face.iter().cycle().skip(face.len() - 1);
+            for ((a, b), before) in corners_of(face).zip(before) {
+                faces.push(vec![a, middle(a, b), center, middle(*before, a)]);
+            }
+        }
+        Ok(Self {
+            positions,
+            faces,
+            creases,
+        })
+    }
+
+    /// Where endless division would bring the corners.
+    fn limit(&self, topology: &Topology, is_loop: bool) -> Vec<DVec3> {
+        let at_limit = |corner: u32| {
+            let p = self.at(corner);
+            let (sharp, _) = self.sharp_at(topology, corner);
+            match sharp[..] {
+                [a, b] => return (self.at(a) + self.at(b) + p * 4.0) / 6.0,
+                _ if sharp.len() > 2 => return p,
+                _ => {}
+            }
+            let neighbors = topology
+                .neighbors
+                .get(corner as usize)
+                .map_or(&[][..], |list| list);
+            let n = neighbors.len() as f64;
+            if neighbors.is_empty() {
+                return p;
+            }
+            let sum: DVec3 = neighbors.iter().map(|other| self.at(*other)).sum();
+            if is_loop {
+                let chi = 1.0 / (3.0 / (8.0 * loop_weight(neighbors.len())) + n);
+                return p * (1.0 - n * chi) + sum * chi;
+            }
+            // Halstead, Kass and DeRose, "Efficient, fair interpolation using Catmull-Clark surfaces", 1993: all faces are
+            // quads after a step, and the corners across them count once.
+            let faces = topology.faces.get(corner as usize).map_or(&[][..], |list| list);
+            let across: DVec3 = faces
+                .iter()
+                .map(|face| {
+                    let face = self.face(*face);
+                    let place = face.iter().position(|c| *c == corner).unwrap_or(0);
+                    face.get((place + 2) % face.len().max(1))
+                        .map_or(p, |c| self.at(*c))
+                })
+                .sum();
+            (p * (n * n) + sum * 4.0 + across) / (n * (n + 5.0))
+        };
+        (0..self.positions.len() as u32).map(at_limit).collect()
+    }
+
+    /// Triangles, with a normal for each corner and each side of the creases at it: the mean of the faces there by their
+    /// angles.
+    fn mesh(&self, topology: &Topology) -> Result<Mesh, SceneError> {
+        let mut normals = Vec::new();
+        // For each face and each of its corners the number of its normal.
+        let mut ids: Vec<Vec<u32>> = self.faces.iter().map(|face| vec![u32::MAX; face.len()]).collect();
+        for corner in 0..self.positions.len() as u32 {
+            let faces = topology.faces.get(corner as usize).map_or(&[][..], |list| list);
+            for sector in self.sectors(topology, corner, faces) {
+                let sum: DVec3 = sector.iter().map(|face| self.angle_weighted(*face, corner)).sum();
+                let id = normals.len() as u32;
+                normals.push(sum.try_normalize().unwrap_or(DVec3::Y));
+                for face in sector {
+                    let place = self.face(face).iter().position(|c| *c == corner);
+                    let slot = place.and_then(|place| ids.get_mut(face as usize)?.get_mut(place));
+                    if let Some(slot) = slot {
+                        *slot = id;
+                    }
+                }
+            }
+        }
+        let (mut triangles, mut corners) = (Vec::new(), Vec::new());
+        for (face, ids) in self.faces.iter().zip(&ids) {
+            let points: Vec<DVec3> = face.iter().map(|corner| self.at(*corner)).collect();
+            for t in crate::shape::triangulate(&points) {
+                triangles.push(t.map(|i| face.get(i).copied().unwrap_or(0)));
+                corners.push(t.map(|i| ids.get(i).copied().unwrap_or(0)));
+            }
+        }
+        let mut mesh = Mesh::new("subdivide", self.positions.clone(), triangles)?;
+        mesh.normals = Some(Attribute {
+            values: normals,
+            indices: corners,
+        });
+        Ok(mesh)
+    }
+
+    /// The faces at a corner, in parts that no sharp edge divides.
+    fn sectors(&self, topology: &Topology, corner: u32, faces: &[u32]) -> Vec<Vec<u32>> {
+        let mut left: Vec<u32> = faces.to_vec();
+        let mut sectors = Vec::new();
+        while let Some(first) = left.pop() {
+            let mut sector = vec![first];
+            let mut i = 0;
+            while let Some(face) = sector.get(i).copied() {
+                i += 1;
+                for (a, b) in corners_of(self.face(face)) {
+                    if (a != corner && b != corner) || self.sharpness(topology, edge(a, b)) > 0.0 {
+                        continue;
+                    }
+                    let sides = topology.edges.get(&edge(a, b)).copied().unwrap_or([NO_FACE; 2]);
+                    for side in sides {
+                        if let Some(place) = left.iter().position(|other| *other == side) {
+                            left.swap_remove(place);
+                            sector.push(side);
+                        }
+                    }
+                }
+            }
+            sector.sort_unstable();
+            sectors.push(sector);
+        }
+        sectors
+    }
+
+    /// The normal of a face at a corner, as long as its angle there.
+    fn angle_weighted(&self, face: u32, corner: u32) -> DVec3 {
+        let face = self.face(face);
+        let count = face.len().max(1);
+        let place = face.iter().position(|c| *c == corner).unwrap_or(0);
+        let p = self.at(corner);
+        let other = |step: usize| face.get((place + step) % count).map_or(p, |c| self.at(*c)) - p;
+        let (next, before) = (other(1), other(count - 1));
+        let normal = next.cross(before);
+        let angle = math::atan2(normal.length(), next.dot(before));
+        normal.normalize_or_zero() * angle
+    }
+}
+
+/// What a neighbor counts for at a smooth corner of a triangle net (Loop, "Smooth subdivision surfaces based on triangles",
+/// 1987).
+fn loop_weight(neighbors: usize) -> f64 {
+    let n = neighbors as f64;
+    let cos = 0.375 + 0.25 * math::cos(2.0 * PI / n);
+    (0.625 - cos * cos) / n
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{super::suite, *};
+    use crate::Limits;
+
+    fn made(cage: &Cage) -> Mesh {
+        cage.mesh(&Allowance::of(&Limits::default())).unwrap()
+    }
+
+    fn cube() -> (Vec<DVec3>, Vec<Vec<u32>>) {
+        let corner = |i: u32| {
+            DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)) * 2.0 - DVec3::ONE
+        };
+        let faces = [
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+        ];
+        ((0..8).map(corner).collect(), faces.map(|f| f.to_vec()).to_vec())
+    }
+
+    fn octahedron() -> (Vec<DVec3>, Vec<Vec<u32>>) {
+        let positions = vec![
+            DVec3::X,
+            DVec3::Y,
+            DVec3::Z,
+            DVec3::NEG_X,
+            DVec3::NEG_Y,
+            DVec3::NEG_Z,
+        ];
+        let faces = [
+            [0, 1, 2],
+            [1, 3, 2],
+            [3, 4, 2],
+            [4, 0, 2],
+            [1, 0, 5],
+            [3, 1, 5],
+            [4, 3, 5],
+            [0, 4, 5],
+        ];
+        (positions, faces.map(|f| f.to_vec()).to_vec())
+    }
+
+    #[test]
+    fn closed_cages_stay_closed_and_smooth() {
+        for levels in 0..4 {
+            for (positions, faces) in [cube(), octahedron()] {
+                let mesh = made(&Cage::new(positions, faces, levels));
+                suite::check_closed(&mesh);
+                suite::check_normals(&mesh, 0.4);
+            }
+        }
+        let (positions, faces) = cube();
+        assert_eq!(made(&Cage::new(positions, faces, 3)).triangles.len(), 6 * 64 * 2);
+    }
+
+    #[test]
+    fn corners_at_the_limit_do_not_move_with_further_levels() {
+        for (positions, faces) in [cube(), octahedron()] {
+            let few = made(&Cage::new(positions.clone(), faces.clone(), 1));
+            let many = made(&Cage::new(positions, faces, 4));
+            // The corners of a level come first in the next.
+            for (a, b) in few.positions.iter().zip(&many.positions) {
+                assert!((*a - *b).length() < 1e-12, "{a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_flat_net_of_squares_is_a_spline() {
+        // On a regular grid Catmull-Clark is the uniform bicubic B-spline, which keeps what is linear.
+        let positions: Vec<DVec3> = (0..49)
+            .map(|i| DVec3::new((i % 7) as f64, 0.3 * (i % 7) as f64, (i / 7) as f64))
+            .collect();
+        let faces: Vec<Vec<u32>> = (0..36)
+            .map(|i| {
+                let a = i / 6 * 7 + i % 6;
+                vec![a, a + 7, a + 8, a + 1]
+            })
+            .collect();
+        let mesh = made(&Cage::new(positions.clone(), faces.clone(), 2));
+        for p in &mesh.positions {
+            assert!((p.y - 0.3 * p.x).abs() < 1e-12, "{p}");
+        }
+        // One corner lifted: the spline there has 4/6 squared of it.
+        let mut lifted = positions;
+        lifted.iter_mut().for_each(|p| p.y = 0.0);
+        lifted[24].y = 1.0;
+        let mesh = made(&Cage::new(lifted, faces, 2));
+        assert!(
+            (mesh.positions[24].y - 4.0 / 9.0).abs() < 1e-12,
+            "{}",
+            mesh.positions[24]
+        );
+    }
+
+    #[test]
+    fn creases_stay_sharp_as_long_as_they_are() {
+        let (positions, faces) = cube();
+        let top = [[2, 3], [3, 7], [7, 6], [6, 2]];
+        let mut cage = Cage::new(positions, faces, 4);
+        let volume = |cage: &Cage| suite::volume(&made(cage));
+        let mut last = volume(&cage);
+        for sharpness in [0.5, 1.0, 2.0, 10.0] {
+            cage.creases = top.map(|edge| (edge, sharpness)).to_vec();
+            let larger = volume(&cage);
+            assert!(larger > last, "{larger} for {sharpness}");
+            last = larger;
+        }
+        assert_eq!(made(&cage).bounds().max.y, 1.0);
+        suite::check_closed(&made(&cage));
+        cage.creases = vec![([0, 7], 1.0)];
+        let error = cage.mesh(&Allowance::of(&Limits::default())).unwrap_err();
+        assert_eq!(error.message, "the crease from 0 to 7 is no edge of a face");
+    }
+
+    #[test]
+    fn what_is_no_cage_is_refused() {
+        let (positions, faces) = cube();
+        let message = |faces: Vec<Vec<u32>>, levels| {
+            let cage = Cage::new(positions.clone(), faces, levels);
+            cage.mesh(&Allowance::of(&Limits::default())).unwrap_err().message
+        };
+        assert_eq!(message(Vec::new(), 1), "there are no faces");
+        assert_eq!(
+            message(vec![vec![0, 1]], 1),
+            "face 0 has 2 corners; expected 3 or more"
+        );
+        assert_eq!(message(vec![vec![0, 1, 1]], 1), "face 0 has the corner 1 twice");
+        assert_eq!(
+            message(vec![vec![0, 1, 8]], 1),
+            "face 0 has the corner 8, but there are 8 positions, numbered from 0"
+        );
+        assert_eq!(
+            message(vec![vec![0, 1, 2], vec![0, 1, 3]], 1),
+            "faces 0 and 1 both run from corner 0 to corner 1"
+        );
+        assert_eq!(message(faces.clone(), 9), "levels must be from 0 to 8, not 9");
+        let few = Limits {
+            primitives: 700,
+            ..Limits::default()
+        };
+        let error = Cage::new(positions.clone(), faces, 3)
+            .mesh(&Allowance::of(&few))
+            .unwrap_err();
+        assert!(error.message.contains("'primitives'"));
+    }
+}
