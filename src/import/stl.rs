@@ -179,7 +179,7 @@ fn ascii<'a>(source: &Source<'a>, assets: &Assets<'_>) -> Result<Checked<'a>, Di
     let mut steps = 0usize;
     for line in lines(source.text) {
         steps += 1;
-        if steps % (8 * TRIANGLES_PER_QUESTION) == 0 {
+        if steps.is_multiple_of(8 * TRIANGLES_PER_QUESTION) {
             assets.check_stop()?;
         }
         let mut words = line.split_ascii_whitespace();
@@ -331,7 +331,7 @@ mod tests {
         let text = text();
         let cut = text.rfind("endloop").unwrap();
         assert_eq!(
-            message(text[..cut].as_bytes()),
+            message(&text.as_bytes()[..cut]),
             (9, "the file ends in this facet".to_owned())
         );
         let twice = text.replacen("endloop\r\n", "vertex 1 2 3\r\n", 1);

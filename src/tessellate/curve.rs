@@ -157,7 +157,7 @@ impl Curve {
         let count = self.points.len();
         let wrong = match (self.kind, self.is_closed) {
             (CurveKind::Bezier, false) if count < 4 || count % 3 != 1 => Some("4, 7, 10 ... points"),
-            (CurveKind::Bezier, true) if count < 6 || count % 3 != 0 => Some("6, 9, 12 ... points"),
+            (CurveKind::Bezier, true) if count < 6 || !count.is_multiple_of(3) => Some("6, 9, 12 ... points"),
             (_, true) if count < 3 => Some("3 points or more"),
             (_, false) if count < 2 => Some("2 points or more"),
             _ => None,

@@ -62,7 +62,7 @@ impl Place {
 
     /// Whether an edge to `other` can be halved, and its halves be looked at.
     fn is_divisible(self, other: Self) -> bool {
-        self.u.abs_diff(other.u) % 8 == 0 && self.v.abs_diff(other.v) % 8 == 0
+        self.u.abs_diff(other.u).is_multiple_of(8) && self.v.abs_diff(other.v).is_multiple_of(8)
     }
 }
 
@@ -127,7 +127,7 @@ impl<C: Charts> Refiner<'_, '_, C> {
             return Ok(*id);
         }
         self.steps += 1;
-        if self.steps % STEPS_PER_QUESTION == 0 {
+        if self.steps.is_multiple_of(STEPS_PER_QUESTION) {
             self.allowance.check_stop()?;
         }
         let (u, v) = self.coordinates(place);

@@ -125,7 +125,7 @@ impl Cage {
             }
             let mut sorted = face.clone();
             sorted.sort_unstable();
-            if let Some([corner, _]) = sorted.array_windows::<2>().find(|[a, b]| a == b) {
+            if let Some((corner, _)) = sorted.iter().zip(sorted.iter().skip(1)).find(|(a, b)| a == b) {
                 return Err(SceneError::new(format!("face {i} has the corner {corner} twice")));
             }
         }
@@ -332,7 +332,7 @@ impl Net {
     ) -> Result<Self, SceneError> {
         let mut positions = Vec::new();
         for corner in 0..self.positions.len() as u32 {
-            if corner as usize % STEPS_PER_QUESTION == 0 {
+            if (corner as usize).is_multiple_of(STEPS_PER_QUESTION) {
                 allowance.check_stop()?;
             }
             positions.push(self.moved(topology, corner, is_loop));
@@ -340,7 +340,7 @@ impl Net {
         let mut middles = BTreeMap::new();
         let mut creases = BTreeMap::new();
         for (i, (&edge_here, &faces)) in topology.edges.iter().enumerate() {
-            if i % STEPS_PER_QUESTION == 0 {
+            if i.is_multiple_of(STEPS_PER_QUESTION) {
                 allowance.check_stop()?;
             }
             let id = positions.len() as u32;
@@ -356,7 +356,7 @@ impl Net {
         let middle = |a: u32, b: u32| middles.get(&edge(a, b)).copied().unwrap_or(a);
         let mut faces = Vec::new();
         for (i, face) in self.faces.iter().enumerate() {
-            if i % STEPS_PER_QUESTION == 0 {
+            if i.is_multiple_of(STEPS_PER_QUESTION) {
                 allowance.check_stop()?;
             }
             if let ([a, b, c], true) = (face.as_slice(), is_loop) {

@@ -67,13 +67,7 @@ fn after_header(bytes: &[u8]) -> Option<usize> {
     let at = head
         .windows(LAST.len() + 1)
         .position(|w| w.first().is_some_and(is_line_end) && w.get(1..) == Some(LAST))?;
-    let line_end = at
-        + 1
-        + LAST.len()
-        + bytes
-            .get(at + 1 + LAST.len()..)?
-            .iter()
-            .position(|b| is_line_end(b))?;
+    let line_end = at + 1 + LAST.len() + bytes.get(at + 1 + LAST.len()..)?.iter().position(is_line_end)?;
     let has_two = bytes.starts_with(b"ply\r\n");
     Some(line_end + if has_two { 2 } else { 1 })
 }
