@@ -100,8 +100,22 @@ impl<'a, 'c> Caller<'a, 'c> {
         )
     }
 
-    /// Calls a function of the script.
-    pub(crate) fn call(&self, f: &FnPtr, args: impl FuncArgs) -> Result<Dynamic, Failure> {
-        f.call_within_context(self.ctx, args).map_err(Failure::Raised)
+    /// Calls a function of the script; `wrong_count` is the error where it takes another number of arguments.
+    pub(crate) fn call(
+        &self,
+        f: &FnPtr,
+        args: impl FuncArgs,
+        wrong_count: impl FnOnce() -> Box<ScriptError>,
+    ) -> Result<Dynamic, Failure> {
+        f.call_within_context(self.ctx, args)
+            .map_err(|error| match &*error {
+                // A closure bears a name that nobody is to see, and it is there: only not with so many parameters.
+                EvalAltResult::ErrorFunctionNotFound(name, _)
+                    if f.is_anonymous() && name.starts_with(f.fn_name()) =>
+                {
+                    Failure::Said(wrong_count())
+                }
+                _ => Failure::Raised(error),
+            })
     }
 }

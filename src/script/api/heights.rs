@@ -151,7 +151,10 @@ fn of_function(
     for row in 0..rows {
         for column in 0..columns {
             let (x, z) = Heights::place(columns, rows, column, row);
-            let height = caller.call(f, (x, z))?;
+            let height = caller.call(f, (x, z), || {
+                call.error("f must take two numbers, x and z")
+                    .hint(format!("for example {}", call.entry.usage))
+            })?;
             values.push(match number_of(&height) {
                 Some(height) if height.is_finite() => height,
                 Some(height) => {

@@ -76,7 +76,10 @@ fn surface(call: &mut Call<'_, '_>, caller: &Caller<'_, '_>) -> Result<Dynamic, 
         rows: options.count("rows", 3, 1000)?.unwrap_or(default.rows),
     };
     let mut point = |u: f64, v: f64| -> Result<DVec3, Failure> {
-        let result = caller.call(&f, (u, v))?;
+        let result = caller.call(&f, (u, v), || {
+            call.error("f must take two numbers, u and v")
+                .hint(format!("for example {}", call.entry.usage))
+        })?;
         let name = || format!("f({u}, {v})");
         if result.is_unit() {
             return Err(call
