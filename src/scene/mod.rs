@@ -227,7 +227,7 @@ impl Scene {
             ("objects", objects().count()),
             ("instances", instances.count()),
             ("groups", self.groups.len() - 1 - solids),
-            ("solids put together", solids),
+            ("joined solids", solids),
             ("triangles", faces + self.triangles.len()),
             ("lights", self.groups.iter().map(|group| group.lights.len()).sum()),
             ("materials", self.materials.len()),

@@ -221,7 +221,7 @@ impl<'s> Compiler<'s, '_> {
         }
         if depth > MAX_NESTING {
             return Err(limit(format!(
-                "instances are nested {depth} deep, at most {MAX_NESTING} can be rendered"
+                "instances and solids are nested {depth} deep, at most {MAX_NESTING} can be rendered"
             )));
         }
         self.finish(level, depth)

@@ -32,6 +32,11 @@ fn cell(x: f64, period: f64, most: f64) -> f64 {
     (x / period + 0.5).floor().clamp(-most, most)
 }
 
+/// The number, or 0 where it is less. Not `f64::max`: of two zeros that may be either.
+fn positive(x: f64) -> f64 {
+    if x > 0.0 { x } else { 0.0 }
+}
+
 impl Scalar for f64 {
     fn constant(x: f64) -> Self {
         x
@@ -58,10 +63,10 @@ impl Scalar for f64 {
         f64::abs(self)
     }
     fn sqrt(self) -> Self {
-        f64::max(self, 0.0).sqrt()
+        positive(self).sqrt()
     }
     fn pow(self, exponent: f64) -> Self {
-        math::pow(f64::max(self, 0.0), exponent)
+        math::pow(positive(self), exponent)
     }
     fn sin(self) -> Self {
         math::sin(self)
@@ -70,10 +75,10 @@ impl Scalar for f64 {
         math::cos(self)
     }
     fn min(self, other: Self) -> Self {
-        f64::min(self, other)
+        if other < self { other } else { self }
     }
     fn max(self, other: Self) -> Self {
-        f64::max(self, other)
+        if other > self { other } else { self }
     }
     fn wrap(self, period: f64, most: f64) -> Self {
         self - period * cell(self, period, most)

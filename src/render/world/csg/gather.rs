@@ -86,9 +86,11 @@ fn before(ray: &Ray, extent: f64) -> Ray {
 /// Marks the crossing that is the start of the ray: of those with the primitive that it starts on the nearest to it, if
 /// it is near. A triangle has but one.
 fn mark_start(level: &Level<'_>, base: u64, probe: &Probe, events: &mut [Event<'_, '_>]) {
+    // Levels inside this one have marked theirs.
+    let own = (level.primitives() - level.instances.len()) as u64;
     let is_here = probe
         .started_on()
-        .is_some_and(|start| start >= base && start - base < level.numbers);
+        .is_some_and(|start| start >= base && start - base < own);
     if !is_here {
         return;
     }

@@ -356,6 +356,69 @@ fn a_mesh_counts_once_through_its_edges_and_corners() {
 }
 
 #[test]
+fn a_mesh_that_is_placed_several_times_is_a_part_as_any_other() {
+    let put = |b: &mut Builder, shared: bool| {
+        let mesh = Arc::new(box_mesh(DVec3::splat(1.0)));
+        let cuboid = || Shape::Cuboid(Cuboid::new(DVec3::splat(1.0)).unwrap());
+        let mark = b.begin_csg(CsgOp::Difference).unwrap();
+        for at in [
+            DVec3::ZERO,
+            DVec3::new(0.3, 0.4, 0.2),
+            DVec3::new(-0.3, -0.7, 0.1),
+        ] {
+            b.push_transform().unwrap();
+            b.translate(at).unwrap();
+            b.rotate(DVec3::ONE, 20.0).unwrap();
+            match shared {
+                true => b.mesh(&mesh).unwrap(),
+                false => b.shape(cuboid()).unwrap(),
+            }
+            b.pop_transform().unwrap();
+        }
+        b.end_csg(mark, true).unwrap();
+    };
+    let scenes = [true, false].map(|shared| {
+        let mut b = Builder::new();
+        put(&mut b, shared);
+        b.finish().value
+    });
+    let [meshes, cuboids] = scenes.each_ref().map(|scene| World::compile(scene).unwrap());
+    let (mut rng, mut met) = (Rng(9), 0);
+    for _ in 0..3_000 {
+        let dir = rng.direction();
+        let ray = Ray::new(rng.vector(0.6) - dir * 3.0, dir);
+        let [a, b] = [&meshes, &cuboids].map(|world| crossings(world, &ray));
+        assert_eq!(a.len(), b.len(), "{a:?} {b:?} {ray:?}");
+        for (a, b) in a.iter().zip(&b) {
+            assert!((a.0 - b.0).abs() < 1e-9 && a.1 == b.1, "{a:?} {b:?} {ray:?}");
+            met += 1;
+        }
+    }
+    assert!(met > 3_000, "{met}");
+}
+
+#[test]
+fn solids_nest_as_deep_as_groups_do() {
+    let nested = |depth: usize| {
+        let mut b = Builder::new();
+        let marks: Vec<_> = (0..depth).map(|_| b.begin_csg(CsgOp::Union).unwrap()).collect();
+        b.sphere(DVec3::ZERO, 1.0).unwrap();
+        for mark in marks.into_iter().rev() {
+            b.end_csg(mark, true).unwrap();
+        }
+        b.finish().value
+    };
+    let ray = Ray::new(DVec3::new(0.0, 0.0, 5.0), DVec3::NEG_Z);
+    let deep = nested(60);
+    assert_eq!(
+        World::compile(&deep).unwrap().nearest_t(&ray, 9.0),
+        Some((4.0, 0))
+    );
+    let error = World::compile(&nested(70)).unwrap_err().to_string();
+    assert!(error.contains("deep, at most 64"), "{error}");
+}
+
+#[test]
 fn light_through_glass_is_what_comes_from_surface_to_surface() {
     let mut rng = Rng(5);
     let mut tinted = 0;
