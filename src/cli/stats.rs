@@ -76,6 +76,12 @@ pub(super) fn picture_line(path: &str, image: &Image, took: Duration, stats: &Re
 }
 
 impl Stats {
+    /// Camera rays of a pixel, in the mean over all pixels of all pictures, where those have the size of the last.
+    fn samples(&self) -> f64 {
+        let pixels = u64::from(self.size.0) * u64::from(self.size.1) * self.pictures.max(1) as u64;
+        self.render.camera_rays as f64 / pixels.max(1) as f64
+    }
+
     /// A table for people.
     pub(super) fn text(&self) -> String {
         let r = &self.render;
@@ -85,6 +91,7 @@ impl Stats {
         let mut rows = vec![
             ("rays", r.rays().to_string()),
             ("  camera", r.camera_rays.to_string()),
+            ("  per pixel", format!("{:.2}", self.samples())),
             ("  shadow", r.shadow_rays.to_string()),
             ("  reflected", r.reflected_rays.to_string()),
             ("  refracted", r.refracted_rays.to_string()),
@@ -119,7 +126,7 @@ impl Stats {
         format!(
             concat!(
                 r#"{{"scene":{},"output":{},"hash":{},"width":{},"height":{},"pictures":{},"threads":{},"#,
-                r#""rays":{{"camera":{},"shadow":{},"reflected":{},"refracted":{},"total":{}}},"#,
+                r#""rays":{{"camera":{},"camera_per_pixel":{:.4},"shadow":{},"reflected":{},"refracted":{},"total":{}}},"#,
                 r#""seconds":{{"read":{},"script":{},"compile":{},"trace":{},"write":{},"total":{}}},"#,
                 r#""rays_per_second":{:.0},"primitives":{},"invalid_samples":{},"world_bytes":{},"#,
                 r#""peak_memory_bytes":{}}}"#
@@ -132,6 +139,7 @@ impl Stats {
             self.pictures,
             self.threads,
             r.camera_rays,
+            self.samples(),
             r.shadow_rays,
             r.reflected_rays,
             r.refracted_rays,

@@ -74,6 +74,7 @@ fn stats_tell_rays_seconds_and_memory() {
         json.contains(r#""width":16,"height":12,"pictures":1,"threads":2,"rays":{"camera":768,"#),
         "{json}"
     );
+    assert!(json.contains(r#""camera_per_pixel":4.0000,"#), "{json}");
     assert_eq!(json.matches('{').count(), json.matches('}').count());
     for key in [
         "seconds",

@@ -174,7 +174,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         ])
         .doc("Antialiasing where it is needed: every pixel has a few samples, and then twice as many again and again until its error is below a bound or it has as many as samples(n) says. The error is the standard error of the pixel's mean as the screen shows it. Pixels that look alike but differ much from a neighbor are looked at again, too. The last call counts.")
         .usage("adaptive(#{ error: 0.01, min: 8, max: 128 })")
-        .example("size(160, 120);\nadaptive(#{ error: 0.02, min: 4, max: 64 });\nambient(0.05, 0.05, 0.06);\nbackground(\"#cfe3f5\");\nareaLight([-1, 3, 2], [2, 0, 0], [0, 0, 2], [1, 1, 1], 1);\ndiffuse(0.8, 0.25, 0.15);\nsphere(0, -0.2, 0, 0.8);\ngroup { translate(0, -1, 0); diffuse(0.8, 0.8, 0.8); plane(); }")
+        .example("size(160, 120);\nadaptive(#{ error: 0.01, min: 8, max: 64 });\nsampler(\"sobol\");\nambient(0.05, 0.05, 0.06);\nbackground(\"#cfe3f5\");\nareaLight([-1, 3, 2], [2, 0, 0], [0, 0, 2], [1, 1, 1], 1);\ndiffuse(0.8, 0.25, 0.15);\nsphere(0, -0.2, 0, 0.8);\ngroup { translate(0, -1, 0); diffuse(0.8, 0.8, 0.8); plane(); }")
         .also(&["adaptiveSampling", "noiseThreshold", "antialias_threshold", "am3"]),
     Entry::scene(Group::Camera, "crop", crop)
         .takes(&[
