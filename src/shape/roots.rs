@@ -44,6 +44,12 @@ const FINEST: u32 = 48;
 /// is still well above what rounding takes.
 const COARSEST: u32 = 20;
 
+/// What rounding may add to a coefficient, as a part of the largest.
+const ROUNDING: f64 = 1e-14;
+
+/// More parts than this are looked at only for zeros of a high order.
+const PLACES: u32 = 400;
+
 /// How far from its place a double zero may be told.
 pub(super) const CLUSTER: f64 = 1e-6;
 
@@ -123,28 +129,59 @@ impl<const N: usize> Bernstein<N> {
     /// Tells `found` every place in [0, 1] where the polynomial changes its sign, in ascending order, and whether
     /// it falls there. Their number is odd exactly where one of the first and the last coefficient is negative.
     pub(super) fn sign_changes(&self, found: &mut impl FnMut(f64, bool)) {
-        self.search(0.0, 1.0, FINEST, &mut |u, falls| {
-            if let Some(falls) = falls {
-                found(u, falls);
-            }
-        });
+        self.search(0.0, 1.0, FINEST, found);
     }
 
-    /// As [`Bernstein::sign_changes`], and also a point within [`CLUSTER`] of each place where it touches zero, or may.
+    /// Tells `found` every place where the polynomial is zero, touches zero or nearly does, some of them twice: within
+    /// [`CLUSTER`], but of zeros of a high order, which are many places.
     pub(super) fn zeros(&self, found: &mut impl FnMut(f64)) {
-        self.search(0.0, 1.0, COARSEST, &mut |u, _| found(u));
+        let largest = self.0.iter().fold(0.0, |a: f64, c| a.max(c.abs()));
+        let mut left = PLACES;
+        if largest > 0.0 {
+            self.touch((0.0, 1.0), COARSEST, ROUNDING * largest, &mut left, found);
+        }
     }
 
-    fn search(&self, lo: f64, hi: f64, depth: u32, found: &mut impl FnMut(f64, Option<bool>)) {
+    fn touch(
+        &self,
+        (lo, hi): (f64, f64),
+        depth: u32,
+        noise: f64,
+        left: &mut u32,
+        found: &mut impl FnMut(f64),
+    ) {
+        if self.0.iter().all(|c| *c > noise) || self.0.iter().all(|c| *c < -noise) {
+            return;
+        }
+        *left = left.saturating_sub(1);
+        let is_clear = |c: Option<&f64>| c.is_some_and(|c| c.abs() > noise);
+        let middle = 0.5 * (lo + hi);
+        if self.variations() == 1 && is_clear(self.0.first()) && is_clear(self.0.last()) {
+            let falls = self.0.last().is_some_and(|c| *c < 0.0);
+            found(lo + (hi - lo) * root_between(|x| self.at(x), 0.0, 1.0, falls));
+        } else if depth == 0 || *left == 0 {
+            found(middle);
+        } else {
+            let (low, high) = self.halves();
+            low.touch((lo, middle), depth - 1, noise, left, found);
+            high.touch((middle, hi), depth - 1, noise, left, found);
+        }
+    }
+
+    fn search(&self, lo: f64, hi: f64, depth: u32, found: &mut impl FnMut(f64, bool)) {
         let is_negative = |c: Option<&f64>| c.is_some_and(|c| *c < 0.0);
         let (first, last) = (is_negative(self.0.first()), is_negative(self.0.last()));
         match self.variations() {
             0 => {}
             1 => {
                 let x = root_between(|x| self.at(x), 0.0, 1.0, last);
-                found(lo + (hi - lo) * x, Some(last));
+                found(lo + (hi - lo) * x, last);
             }
-            _ if depth == 0 => found(0.5 * (lo + hi), (first != last).then_some(last)),
+            _ if depth == 0 => {
+                if first != last {
+                    found(0.5 * (lo + hi), last);
+                }
+            }
             _ => {
                 let (low, high) = self.halves();
                 let middle = 0.5 * (lo + hi);
@@ -413,6 +450,23 @@ mod tests {
                 .all(|u| (u - 0.3).abs() < 1e-6 || (u - 0.7).abs() < 1e-6)
         );
         assert!(near.iter().any(|u| *u < 0.5) && near.iter().any(|u| *u > 0.5));
+        // One of them where the interval is halved.
+        let f = with_zeros([-1.0, 0.5, 0.5, 2.0]);
+        near.clear();
+        f.zeros(&mut |u| near.push(u));
+        assert!(near.iter().any(|u| (u - 0.5).abs() < CLUSTER), "{near:?}");
+        // One of a high order, and nothing but zeros.
+        let f: Bernstein<11> = {
+            let half = Bernstein([-0.5, 0.5]);
+            let two: Bernstein<3> = product(&half, &half);
+            let (four, three): (Bernstein<5>, Bernstein<4>) = (product(&two, &two), product(&two, &half));
+            let seven: Bernstein<8> = product(&four, &three);
+            product(&seven, &three)
+        };
+        near.clear();
+        f.zeros(&mut |u| near.push(u));
+        assert!(near.len() <= 2 * PLACES as usize && near.iter().any(|u| (u - 0.5).abs() < 0.1));
+        Bernstein([0.0; 5]).zeros(&mut |_| panic!("everywhere"));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! No ray leaks through an edge, a rim, a joint or a tip.
 
-use super::{super::Shape, Rng, all_crossings, extent, reference::distance, samples};
+use super::{super::Shape, Rng, all_crossings, extent, random_ray, reference::distance, samples};
 use crate::math::{self, DVec2, DVec3, Ray};
 
 /// A point where two parts of the surface meet, or two pieces of a curve, or where a texture has its seam.
@@ -47,6 +47,7 @@ fn edge_point(shape: &Shape, rng: &mut Rng) -> DVec3 {
         Shape::Superellipsoid(_) => {
             let mut d = rng.direction();
             d[rng.below(3)] = 0.0;
+            let d = d.normalize();
             // Half the unit cube, along the direction to the surface.
             let (mut lo, mut hi) = (0.0, 2.0);
             for _ in 0..60 {
@@ -71,17 +72,19 @@ fn edge_point(shape: &Shape, rng: &mut Rng) -> DVec3 {
     }
 }
 
-/// Points well inside.
+/// Points well inside: the deepest by the reference of those half way between crossings, which thin shapes have, too.
 fn inner_points(shape: &Shape, rng: &mut Rng) -> Vec<DVec3> {
-    let (_, center) = extent(shape, 1.0);
-    let half = shape.bounds().map_or(DVec3::ONE, |b| b.size() * 0.5);
-    let mut deep: Vec<(f64, DVec3)> = (0..4000)
-        .map(|_| center + half * rng.in_cube())
-        .map(|p| (distance(shape, p), p))
-        .collect();
+    let mut deep = Vec::new();
+    for _ in 0..4000 {
+        let ray = random_ray(shape, 1.0, rng);
+        if let [a, b, ..] = all_crossings(shape, &ray)[..] {
+            let p = ray.at(0.5 * (a.t + b.t));
+            deep.push((distance(shape, p), p));
+        }
+    }
     deep.sort_by(|a, b| a.0.total_cmp(&b.0));
     deep.truncate(20);
-    assert!(deep[19].0 < 0.0, "{shape:?}");
+    assert!(deep.len() == 20 && deep[19].0 < 0.0, "{shape:?}");
     deep.into_iter().map(|(_, p)| p).collect()
 }
 
