@@ -147,7 +147,7 @@ fn shapes_of_many_pieces_come_near_what_they_imitate() {
     let n = 1000;
     let circle = |i: usize| crate::math::sin_cos_degrees(360.0 * i as f64 / n as f64);
     let profile: Vec<[f64; 2]> = (0..n)
-        .map(|i| circle(i))
+        .map(circle)
         .map(|(s, c)| [2.0 + 0.5 * c, 0.5 * s])
         .collect();
     let path: Vec<[f64; 4]> = (0..=n)

@@ -219,7 +219,7 @@ fn rounded(s: f64) -> Vec<Shape> {
 pub(super) fn ring(n: usize) -> Vec<[f64; 2]> {
     let corner = |i: usize| {
         let (s, c) = math::sin_cos_degrees(360.0 * i as f64 / n as f64);
-        let r = if i % 2 == 0 { 1.0 } else { 0.6 };
+        let r = if i.is_multiple_of(2) { 1.0 } else { 0.6 };
         [r * c, r * s]
     };
     (0..n).map(corner).collect()
