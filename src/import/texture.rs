@@ -46,6 +46,11 @@ pub(super) fn levels(
 ) -> Result<(usize, usize, Vec<f64>), Diagnostic> {
     let picture = decoded(name, bytes, limits, DynamicImage::into_luma16)?;
     let (width, height) = picture.dimensions();
+    // Numbers take eight times the bytes, and each is to be a corner.
+    if u64::from(width) * u64::from(height) > limits.primitives as u64 {
+        let what = format!("'{name}' has {width} x {height} pixels, too many for as many corners");
+        return Err(SceneError::limit(&what, "primitives", limits.primitives).into());
+    }
     let levels = picture
         .into_raw()
         .iter()

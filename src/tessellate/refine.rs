@@ -35,6 +35,8 @@ pub(super) struct Division {
     pub(super) tolerance: f64,
 }
 
+/// Triangles at most: what is known of their edges meanwhile takes some 600 bytes each.
+const MOST_TRIANGLES: usize = 2_000_000;
 /// How often a cell may be halved.
 const LEVELS: u32 = 10;
 /// Parts of a cell: an edge that is not divided any more still has places at its quarters.
@@ -225,6 +227,13 @@ impl<C: Charts> Refiner<'_, '_, C> {
         let [a, b, c] = corners.map(|corner| self.point_id(corner));
         if a != b && b != c && c != a {
             self.allowance.triangles(to.len() + 1)?;
+            if to.len() >= MOST_TRIANGLES {
+                return Err(SceneError::new(format!(
+                    "the surface takes more than {MOST_TRIANGLES} triangles to be within the tolerance of {}",
+                    self.division.tolerance
+                ))
+                .hint("give a larger tolerance"));
+            }
             to.push((corners, known));
         }
         Ok(())

@@ -37,6 +37,8 @@ pub struct Cage {
     pub to_the_limit: bool,
 }
 
+/// Triangles at most: what is known of their edges meanwhile takes a few hundred bytes each.
+const MOST_TRIANGLES: usize = 4_000_000;
 /// Levels at most.
 const MOST_LEVELS: u32 = 8;
 
@@ -70,6 +72,12 @@ impl Cage {
             _ => corners.saturating_mul(growth / 4).saturating_mul(2),
         };
         allowance.triangles(most)?;
+        if most > MOST_TRIANGLES {
+            return Err(SceneError::new(format!(
+                "{} levels make more than {MOST_TRIANGLES} triangles of this cage",
+                self.levels
+            )));
+        }
         let mut net = Net {
             positions: self.positions.clone(),
             faces: self.faces.clone(),

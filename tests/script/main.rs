@@ -8,6 +8,7 @@
 )]
 
 mod assets;
+mod calling;
 mod editions;
 mod host;
 mod language;

@@ -45,7 +45,7 @@ pub(super) const ENTRIES: &[Entry] = &[Entry::calling(Group::Assets, "heightFiel
     ])
     .doc("A landscape over the unit square, x and z from -0.5 to 0.5, with heights along y: from a function of the script, a picture, or rows of numbers. The top of a picture is the far side, z = -0.5, and a texture of the same picture lies as its heights do. scale(w, h, d) gives it its size. solid: true closes it, so that it can be glass or a part of other solids.")
     .usage("heightField(|x, z| 0.1 * sin(20 * x) * cos(20 * z))")
-    .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ncamera([0, 2.2, 4.2], [0, -0.4, 0], [0, 1, 0], 36);\ndirectional([-3, 2.5, 1.5], [0.95, 0.9, 0.8]);\ndiffuse(0.45, 0.55, 0.3);\nscale(4, 2, 4);\nheightField(|x, z| {\n  let r = sqrt(x * x + z * z);\n  0.35 * exp(-9 * r * r) * (1 + 0.5 * sin(40 * r)) + 0.05 * noise(9 * x, 0, 9 * z)\n}, #{ columns: 97, rows: 97, solid: true });")
+    .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ncamera([0, 2.2, 4.2], [0, -0.4, 0], [0, 1, 0], 36);\ndirectional([-3, 2.5, 1.5], [0.95, 0.9, 0.8]);\ndiffuse(0.45, 0.55, 0.3);\nscale(4, 2, 4);\nheightField(|x, z| {\n  let r = sqrt(x * x + z * z);\n  0.35 * exp(-9 * r * r) * (1 + 0.5 * sin(40 * r)) + 0.05 * noise(9 * x, 0, 9 * z)\n}, #{ solid: true });")
     .also(&["height_field", "terrain", "landscape", "heightmap", "displace", "elevation"])];
 
 /// Puts a mesh into the scene, counted as the scene's.

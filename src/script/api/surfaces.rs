@@ -36,7 +36,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         ]])
         .doc("A surface by its formula, made into triangles that lie within the tolerance of it: many where it bends, few where it is flat. Sides that come together, as those of a tube or a torus, are joined, and sides that are one point, as the poles of a ball; a surface that closes so has an inside and may be glass. Columns and rows say how finely it is looked at first: what is smaller than a cell may be missed.")
         .usage("surface(|u, v| [u, sin(3 * u) * v, v])")
-        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ncamera([0, 3, 5], [0, 0, 0], [0, 1, 0], 40);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.85, 0.4, 0.3); specular(0.3, 0.3, 0.3); shininess(40);\nsurface(|u, v| {                  // a knotted tube with three lobes\n  let r = 0.35 + 0.12 * cos(3 * u);\n  let d = 1.35 + r * cos(v);\n  [d * cos(u), r * sin(v) + 0.25 * sin(3 * u), d * sin(u)]\n}, #{ u: [0, TAU], v: [0, TAU], columns: 12 });")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ncamera([0, 3, 5], [0, 0, 0], [0, 1, 0], 40);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.85, 0.4, 0.3); specular(0.3, 0.3, 0.3); shininess(40);\nsurface(|u, v| {                  // a knotted tube with three lobes\n  let r = 0.35 + 0.12 * cos(3 * u);\n  let d = 1.35 + r * cos(v);\n  [d * cos(u), r * sin(v) + 0.25 * sin(3 * u), d * sin(u)]\n}, #{ u: [0, TAU], v: [0, TAU], columns: 12, tolerance: 0.02 });")
         .also(&["parametric", "isoparametric", "parametricSurface", "plot3d", "tessellate"]),
     Entry::scene(Group::Assets, "bezierPatch", bezier_patch)
         .takes(&[&[

@@ -41,7 +41,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .takes(&[&[STRING, OPTIONS]])
         .doc("Letters as solids, standing on y = 0 in the plane z = 0 with half of their depth before and behind it, looking towards +z. Each is closed, with walls that are smooth along curves and sharp at corners, so text may be glass. The built-in font is DejaVu Sans with Latin, Greek and the usual signs. Right-to-left scripts and ligatures are not put together. depth: 0 makes flat faces.")
         .usage("text(\"Hello\", #{ size: 1, align: \"center\" })")
-        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ncamera([1.2, 1.6, 5], [0, 0.25, 0], [0, 1, 0], 34);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.85, 0.35, 0.2); specular(0.3, 0.3, 0.3); shininess(40);\ntext(\"Ray & Wave\", #{ size: 0.9, depth: 0.3, align: \"center\" });\ndiffuse(checker(\"#eee\", \"#9ab\", 0.5));\nplane();")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ncamera([0.8, 1.2, 4], [0, 0.25, 0], [0, 1, 0], 36);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.85, 0.35, 0.2); specular(0.3, 0.3, 0.3); shininess(40); reflection(0, 0, 0);\ntext(\"Ray & Wave\", #{ size: 0.5, depth: 0.2, align: \"center\" });\ndiffuse(checker(\"#eee\", \"#9ab\", 0.5));\nplane();")
         .also(&["letters", "font", "linear_extrude", "label", "string3d", "ttf"]),
     Entry::scene(Group::Assets, "textSize", text_size)
         .takes(&[&[STRING, OPTIONS]])
