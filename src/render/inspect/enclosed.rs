@@ -5,6 +5,7 @@ use crate::{
     diag::{Code, Diagnostic},
     math::brief,
     render::solids,
+    scene::LightKind,
 };
 
 /// Lights looked at, at most: hundreds of them light a scene even where one stands in a wall.
@@ -20,6 +21,8 @@ pub(super) fn warnings(world: &World<'_>) -> Vec<Diagnostic> {
         .root()
         .lights
         .iter()
+        // A surface that shines may well be that of a lamp that is to be seen.
+        .filter(|light| !matches!(light.kind, LightKind::Surface(_)))
         .filter_map(|light| Some((light, light.kind.center()?)))
         .take(LIGHTS)
         .map(|(light, position)| (light, position, around(position)))

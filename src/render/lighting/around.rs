@@ -162,14 +162,14 @@ pub(in crate::render) fn scattered(
 ) -> Color {
     let mut sum = Color::ZERO;
     let lights = &world.scene.root().lights;
-    let places = |number: u64, center: Option<DVec3>| {
+    let places = |number: u64, center: Option<DVec3>, span: (f64, f64)| {
         let key = after_the_lights(world, HAZE + number);
         (0..haze.n()).filter_map(move |i| {
             let random = move |k: u64| path.random(key, 3 * u64::from(i) + k);
             let x = (f64::from(i) + random(0)) / f64::from(haze.n());
             let (s, density) = match center {
-                Some(center) => by_angle(ray, t, center, x),
-                None => by_share(haze.density(), t, x),
+                Some(center) => by_angle(ray, span, center, x),
+                None => by_share(haze.density(), span, x),
             }?;
             Some((s, density, (random(1), random(2))))
         })
@@ -198,7 +198,14 @@ pub(in crate::render) fn scattered(
             kind => kind.attenuation().is_some_and(|a| a.quadratic > 0.0),
         };
         let center = light.kind.center().filter(|_| fades);
-        for (s, density, at) in places(index as u64, center) {
+        let span = match &light.kind {
+            LightKind::Spot(spot) => spot.span(ray).map(|(a, b)| (a.max(0.0), b.min(t))),
+            _ => Some((0.0, t)),
+        };
+        let Some(span) = span.filter(|(a, b)| a < b) else {
+            continue;
+        };
+        for (s, density, at) in places(index as u64, center, span) {
             if let Some(sent) = sent(world, index, ray.at(s), at) {
                 add(s, density, &sent);
             }
@@ -206,7 +213,7 @@ pub(in crate::render) fn scattered(
     }
     let surround = world.around.as_ref().and_then(|around| around.surround.as_ref());
     if let Some(surround) = surround.filter(|surround| surround.n() > 0) {
-        for (s, density, at) in places(lights.len() as u64, None) {
+        for (s, density, at) in places(lights.len() as u64, None, (0.0, t)) {
             if let Some(sent) = from_around(surround, at) {
                 add(s, density, &sent);
             }
@@ -216,7 +223,7 @@ pub(in crate::render) fn scattered(
 }
 
 /// A place on a ray with its density, even by the angle at `center`.
-fn by_angle(ray: &Ray, t: f64, center: DVec3, x: f64) -> Option<(f64, f64)> {
+fn by_angle(ray: &Ray, (from, to): (f64, f64), center: DVec3, x: f64) -> Option<(f64, f64)> {
     let offset = center - ray.origin;
     let along = offset.dot(ray.dir);
     // A ray through the light itself has no angles.
@@ -224,26 +231,26 @@ fn by_angle(ray: &Ray, t: f64, center: DVec3, x: f64) -> Option<(f64, f64)> {
     if !(aside > 0.0) {
         return None;
     }
-    let begin = math::atan(-along / aside);
-    let end = if t.is_finite() {
-        math::atan((t - along) / aside)
+    let begin = math::atan((from - along) / aside);
+    let end = if to.is_finite() {
+        math::atan((to - along) / aside)
     } else {
         PI / 2.0
     };
     let beside = aside * math::tan(begin + (end - begin) * x);
-    let s = (along + beside).clamp(0.0, t);
+    let s = (along + beside).clamp(from, to);
     let density = aside / ((end - begin) * (aside * aside + beside * beside));
     (s.is_finite() && density > 0.0).then_some((s, density))
 }
 
 /// A place on a ray with its density, as light fades in the haze.
-fn by_share(density: f64, t: f64, x: f64) -> Option<(f64, f64)> {
-    let lost = -math::expm1(-density * t);
+fn by_share(density: f64, (from, to): (f64, f64), x: f64) -> Option<(f64, f64)> {
+    let lost = -math::expm1(-density * (to - from));
     if !(lost > 0.0) {
         return None;
     }
-    let s = (-math::log1p(-x * lost) / density).min(t);
-    Some((s, density * math::exp(-density * s) / lost))
+    let way = (-math::log1p(-x * lost) / density).min(to - from);
+    Some((from + way, density * math::exp(-density * way) / lost))
 }
 
 /// Henyey and Greenstein's function ("Diffuse radiation in the galaxy", 1941) times pi, since the color of a light is what a white

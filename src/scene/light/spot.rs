@@ -5,7 +5,7 @@ use super::{
     parts::{LightVector, placed_point},
 };
 use crate::{
-    math::{self, DAffine3, DVec3, Exponent},
+    math::{self, DAffine3, DVec3, Exponent, Ray},
     scene::SceneError,
 };
 
@@ -145,6 +145,38 @@ impl Spot {
         }
     }
 
+    /// Where a ray, with a unit vector for its direction, is in the cone; `None` where it is nowhere. Cones of 90 degrees
+    /// and more are taken for everything.
+    pub(crate) fn span(&self, ray: &Ray) -> Option<(f64, f64)> {
+        let [cosine, _] = self.cosines;
+        if cosine < 1e-3 {
+            return Some((f64::NEG_INFINITY, f64::INFINITY));
+        }
+        let axis = self.target - self.position;
+        let axis = axis / axis.length();
+        let from = ray.origin - self.position;
+        let (ahead, along, c2) = (ray.dir.dot(axis), from.dot(axis), cosine * cosine);
+        // (p . axis)^2 = cos^2 p^2, which the cone behind the light fulfils as well.
+        let a = ahead * ahead - c2;
+        let b = ahead * along - c2 * ray.dir.dot(from);
+        let c = along * along - c2 * from.dot(from);
+        let root = b * b - a * c;
+        if !(root > 0.0) || a == 0.0 {
+            return (a == 0.0).then_some((f64::NEG_INFINITY, f64::INFINITY));
+        }
+        let root = root.sqrt();
+        let (one, two) = ((-b - root) / a, (-b + root) / a);
+        let (first, last) = (one.min(two), one.max(two));
+        if a < 0.0 {
+            let is_ahead = along + ahead * 0.5 * (first + last) > 0.0;
+            is_ahead.then_some((first, last))
+        } else if ahead > 0.0 {
+            Some((last, f64::INFINITY))
+        } else {
+            Some((f64::NEG_INFINITY, first))
+        }
+    }
+
     pub(super) fn placed(&self, m: &DAffine3) -> Option<Self> {
         let (position, target) = (placed_point(m, self.position), placed_point(m, self.target));
         let axis = (target - position).length();
@@ -197,6 +229,28 @@ mod tests {
             let expected = x * x * (3.0 - 2.0 * x);
             assert!((spot.share(out(degrees)) - expected).abs() < 1e-12, "{degrees}");
         }
+    }
+
+    #[test]
+    fn a_ray_is_in_the_cone_where_its_span_says() {
+        let spot = spot(25.0, 0.0, 0.0);
+        let (mut inside, mut rays) = (0, 0);
+        for i in 0..400u32 {
+            let x = |k: u32| f64::from((i * 7919 + k * 104_729) % 1000) / 500.0 - 1.0;
+            let origin = DVec3::new(1.0 + 3.0 * x(1), 2.0 + 3.0 * x(2), 3.0 + 3.0 * x(3));
+            let dir = DVec3::new(x(4), x(5), x(6) + 0.001).normalize();
+            let ray = Ray::new(origin, dir);
+            let span = spot.span(&ray);
+            rays += u32::from(span.is_some());
+            for step in -40..40 {
+                let t = f64::from(step) * 0.217;
+                let is_in = spot.share(ray.at(t) - spot.position()) > 0.0;
+                let expected = span.is_some_and(|(a, b)| a < t && t < b);
+                assert_eq!(is_in, expected, "{ray:?} at {t}: {span:?}");
+                inside += u32::from(is_in);
+            }
+        }
+        assert!(inside > 500 && rays > 50 && rays < 400, "{inside} {rays}");
     }
 
     #[test]

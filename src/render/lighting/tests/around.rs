@@ -3,7 +3,7 @@
 use super::*;
 use crate::{
     render::{environment::Surround, sampler::Sampler},
-    scene::{Environment, Fog, Haze, Occlusion, Scene, Sky},
+    scene::{Environment, Fog, Haze, Occlusion, Scene, Sky, Spot},
 };
 
 fn gradient(zenith: Color, horizon: Color, ground: Color) -> Environment {
@@ -315,4 +315,31 @@ fn haze_takes_from_the_light_of_lamps() {
     };
     // The camera stands 50 above.
     near(lit(true), lit(false) * math::exp(-0.53), 1e-12);
+}
+
+#[test]
+fn the_beam_of_a_spot_is_its_integral() {
+    let (density, lamp) = (0.3, DVec3::new(2.0, 1.0, 0.3));
+    let attenuation = Attenuation {
+        constant: 0.2,
+        linear: 0.0,
+        quadratic: 0.5,
+    };
+    let target = DVec3::new(2.5, -1.0, 0.0);
+    let spot = Spot::new(lamp, target, (25.0, 10.0), 0.0, attenuation).unwrap();
+    let found = seen(DVec3::X, |b| {
+        b.haze(Some(Haze::new(density, WHITE, 0.0, 64).unwrap()));
+        b.spot(spot.clone(), WHITE).unwrap();
+    });
+    let (steps, end) = (40_000, 20.0);
+    let sum: f64 = (0..steps)
+        .map(|i| {
+            let s = (f64::from(i) + 0.5) / f64::from(steps) * end;
+            let out = DVec3::X * s - lamp;
+            let d = out.length();
+            let sent = attenuation.at(d) * spot.share(out);
+            density * math::exp(-density * (s + d)) * sent * 0.25 * end / f64::from(steps)
+        })
+        .sum();
+    near(found, WHITE * sum, 0.003);
 }

@@ -249,3 +249,26 @@ fn linked_lights_reach_their_groups_alone() {
         [0.0, 0.0]
     );
 }
+
+/// The lamp that shows where a light is does not stand in its way, and nobody is warned of it.
+#[test]
+fn a_ball_may_stand_where_a_ball_of_light_is() {
+    let center = DVec3::new(1.0, 2.0, -0.5);
+    let shine = |b: &mut Builder| {
+        let light = SurfaceLight::sphere(center, 1.0, 16, Falloff::Physical).unwrap();
+        b.surface_light(light, WHITE).unwrap();
+    };
+    let alone = floor(shine);
+    let shown = floor(|b| {
+        shine(b);
+        b.sphere(center, 1.0).unwrap();
+    });
+    assert_eq!(alone, shown);
+    let mut b = Builder::new();
+    shine(&mut b);
+    b.sphere(center, 1.0).unwrap();
+    b.camera(Camera::new(DVec3::Z * 9.0, center, DVec3::Y, 40.0).unwrap());
+    let warnings = crate::render::inspect(&b.finish().value, &NoHost).unwrap();
+    let is_inside = |d: &crate::Diagnostic| d.code == crate::diag::Code::LightInside;
+    assert!(!warnings.iter().any(is_inside), "{warnings:?}");
+}
