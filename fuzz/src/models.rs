@@ -26,7 +26,10 @@ fn load(name: &str, data: &[u8]) {
     let mut builder = Builder::with_limits(limits.clone());
     let mut cache = AssetCache::default();
     let loaded = load_mesh(name, &mut Assets::new(&host, &limits, &mut cache), &mut builder);
-    builder.take_warnings().iter().for_each(|warning| check(warning, &texts));
+    builder
+        .take_warnings()
+        .iter()
+        .for_each(|warning| check(warning, &texts));
     match loaded {
         Ok(mesh) => render_mesh(builder, &mesh, &host),
         Err(error) => check(&error, &texts),

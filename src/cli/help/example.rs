@@ -1,11 +1,13 @@
 //! The examples of the table, run: what each prints, or the picture it gives.
 
+use std::collections::BTreeMap;
+
 use crate::{
-    diag::Error,
+    diag::{Diagnostic, Error, ErrorKind},
     host::MemoryHost,
     limits::Limits,
     render::Image,
-    script::{EXAMPLE_FILES, Entry, RunOptions},
+    script::{EXAMPLE_FILES, Entry, RunOptions, entries},
     testing::render_text,
 };
 
@@ -42,6 +44,31 @@ impl Example {
         Ok(Self {
             printed: run.printed,
             picture,
+        })
+    }
+}
+
+/// The examples of all entries.
+pub(super) struct Examples(BTreeMap<&'static str, Example>);
+
+impl Examples {
+    /// Runs all of them, each once.
+    ///
+    /// # Errors
+    /// Whatever is wrong with the first that fails.
+    pub(super) fn run() -> Result<Self, Error> {
+        let run = entries().map(|entry| Ok((entry.name, Example::of(entry)?)));
+        run.collect::<Result<_, Error>>().map(Self)
+    }
+
+    /// That of one entry.
+    ///
+    /// # Errors
+    /// Where the table has no such entry.
+    pub(super) fn of(&self, entry: &Entry) -> Result<&Example, Error> {
+        self.0.get(entry.name).ok_or_else(|| {
+            let message = format!("the table of the language has no '{}'", entry.name);
+            Diagnostic::error(ErrorKind::Internal, message).into()
         })
     }
 }

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{example::Example, forms::forms, markdown};
+use super::{example::Examples, forms::forms, markdown};
 use crate::{
     diag::{Code, Error},
     script::{CONSTANTS, Entry, Group, Kind, PROPERTIES, Param, entries},
@@ -12,8 +12,10 @@ use crate::{
 ///
 /// # Errors
 /// Whatever is wrong with an example.
-pub(super) fn api() -> Result<String, Error> {
-    let functions: Vec<Value> = entries().map(function).collect::<Result<_, _>>()?;
+pub(super) fn api(examples: &Examples) -> Result<String, Error> {
+    let functions: Vec<Value> = entries()
+        .map(|entry| function(examples, entry))
+        .collect::<Result<_, _>>()?;
     let properties: Vec<Value> = PROPERTIES
         .iter()
         .map(|p| {
@@ -47,8 +49,8 @@ pub(super) fn api() -> Result<String, Error> {
     Ok(format!("{api:#}\n"))
 }
 
-fn function(entry: &Entry) -> Result<Value, Error> {
-    let example = Example::of(entry)?;
+fn function(examples: &Examples, entry: &Entry) -> Result<Value, Error> {
+    let example = examples.of(entry)?;
     Ok(json!({
         "name": entry.name,
         "group": entry.group.title(),
@@ -59,7 +61,7 @@ fn function(entry: &Entry) -> Result<Value, Error> {
         "usage": entry.usage,
         "example": entry.example,
         "prints": example.printed,
-        "picture": example.picture.map(|_| markdown::picture_of(entry)),
+        "picture": example.picture.as_ref().map(|_| markdown::picture_of(entry)),
         "also_called": entry.also,
     }))
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::{
-    example::Example,
+    example::Examples,
     forms::{forms, parameters},
 };
 use crate::{
@@ -38,7 +38,7 @@ pub(super) fn picture_of(entry: &Entry) -> String {
 ///
 /// # Errors
 /// Whatever is wrong with an example.
-pub(super) fn reference() -> Result<String, Error> {
+pub(super) fn reference(examples: &Examples) -> Result<String, Error> {
     let mut page = INTRODUCTION.to_owned();
     page += "\n## What parameters take\n\n| type | what may be written for it |\n|---|---|\n";
     for kind in Kind::ALL {
@@ -66,7 +66,7 @@ pub(super) fn reference() -> Result<String, Error> {
     for group in Group::ALL {
         line(&mut page, &format!("\n## {}\n\n{}", group.title(), group.doc()));
         for entry in of(group) {
-            function(&mut page, entry)?;
+            function(&mut page, examples, entry)?;
         }
     }
     page += "\n## Properties\n\n| of | property | type | |\n|---|---|---|---|\n";
@@ -117,8 +117,8 @@ fn of(group: Group) -> impl Iterator<Item = &'static Entry> {
     entries().filter(move |e| e.group == group)
 }
 
-fn function(page: &mut String, entry: &Entry) -> Result<(), Error> {
-    let example = Example::of(entry)?;
+fn function(page: &mut String, examples: &Examples, entry: &Entry) -> Result<(), Error> {
+    let example = examples.of(entry)?;
     let forms = forms(entry).join("\n");
     line(
         page,

@@ -11,7 +11,7 @@ use std::{fs, path::Path};
 
 use clap::{CommandFactory, error::ErrorKind as UsageError};
 
-use self::example::Example;
+use self::example::{Example, Examples};
 use super::{
     args::{Cli, HelpArgs},
     picture, usage, without_place, write_stdout,
@@ -76,7 +76,7 @@ pub(super) fn help(args: &HelpArgs) -> Result<u8, Error> {
         return write_reference(folder).map(|()| 0);
     }
     if args.json {
-        return print(&json::api()?);
+        return print(&json::api(&Examples::run()?)?);
     }
     if args.definitions {
         return print(&definitions::definitions());
@@ -145,10 +145,11 @@ fn write_reference(folder: &Path) -> Result<(), Error> {
         without_place(HostError::new(ErrorKind::Output, message))
     })?;
     let write = |path: &Path, bytes: &[u8]| output::write_atomically(path, bytes).map_err(without_place);
+    let examples = Examples::run()?;
     for entry in entries() {
-        if let Some(image) = Example::of(entry)?.picture {
+        if let Some(image) = &examples.of(entry)?.picture {
             let path = images.join(format!("{}.png", entry.name));
-            let png = output::encode(&image, Format::Png).map_err(|e| {
+            let png = output::encode(image, Format::Png).map_err(|e| {
                 without_place(HostError::new(
                     ErrorKind::Output,
                     format!("cannot encode a picture: {e}"),
@@ -157,8 +158,11 @@ fn write_reference(folder: &Path) -> Result<(), Error> {
             write(&path, &png)?;
         }
     }
-    write(&folder.join("reference.md"), markdown::reference()?.as_bytes())?;
-    write(&folder.join("api.json"), json::api()?.as_bytes())?;
+    write(
+        &folder.join("reference.md"),
+        markdown::reference(&examples)?.as_bytes(),
+    )?;
+    write(&folder.join("api.json"), json::api(&examples)?.as_bytes())?;
     write(
         &folder.join("rtscript.d.rhai"),
         definitions::definitions().as_bytes(),

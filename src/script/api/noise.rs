@@ -53,21 +53,21 @@ pub(super) const ENTRIES: &[Entry] = &[
         .takes(&[&[V, OCTAVES, LACUNARITY, GAIN]])
         .returns("float")
         .doc("Fractal noise between -1 and 1: octaves of noise(v), each finer and weaker than the one before, added up. Mountains, clouds, coastlines.")
-        .usage("fbm([x, 0, z], 6)")
+        .usage("fbm([1.5, 0, 2.5], 6)")
         .example("background(\"#cfe3f5\");\ndirectional([3, 4, 1], [1, 1, 1]);\nambient(0.05, 0.05, 0.05);\ncamera([0, 4, 7], [0, -0.4, 0], [0, 1, 0], 40);\nfor x in -22..23 {\n  for z in -22..23 {\n    let h = fbm([x * 0.08, 0.5, z * 0.08], 6) * 2.2;\n    if h > 0.4 { diffuse(0.9, 0.9, 0.95); } else { diffuse(0.3, 0.45, 0.25); }\n    group { translate(x * 0.13, h / 2 - 1, z * 0.13); box(0.13, h + 2, 0.13); }\n  }\n}")
         .also(&["fractal", "fractalNoise", "octaves", "brownian"]),
     Entry::pure(Group::Random, "turbulence", |call| octaves(call, noise::turbulence))
         .takes(&[&[V, OCTAVES, LACUNARITY, GAIN]])
         .returns("float")
         .doc("Fractal noise of absolute values, between 0 and 1, with creases: veins, ridges, flames.")
-        .usage("turbulence([x, 0, z], 4)")
+        .usage("turbulence([1.5, 0, 2.5], 4)")
         .example("background(\"#cfe3f5\");\ndirectional([3, 4, 1], [1, 1, 1]);\nambient(0.05, 0.05, 0.05);\ncamera([0, 4, 7], [0, -0.4, 0], [0, 1, 0], 40);\nfor x in -22..23 {\n  for z in -22..23 {\n    let h = 1.6 - turbulence([x * 0.08, 0.5, z * 0.08], 4) * 4;\n    diffuse(0.5 + 0.2 * h, 0.45, 0.4);\n    group { translate(x * 0.13, h / 2 - 1, z * 0.13); box(0.13, h + 2, 0.13); }\n  }\n}")
         .also(&["ridged"]),
     Entry::pure(Group::Random, "worley", worley)
         .takes(&[&[V, number("jitter", "none", "0 for points on a lattice, 1 for points without order").or("1")]])
         .returns("map")
         .doc("Cells around scattered points, one point to each unit cube: #{ nearest, second, cell }, the distances to the two nearest points and a number from 0 to 1 that belongs to the cell.")
-        .usage("worley([x, 0, z]).nearest")
+        .usage("worley([1.5, 0, 2.5]).nearest")
         .example("background(\"#cfe3f5\");\ndirectional([3, 4, 1], [1, 1, 1]);\nambient(0.05, 0.05, 0.05);\ncamera([0, 6, 6], [0, -0.4, 0], [0, 1, 0], 40);\nfor x in -22..23 {\n  for z in -22..23 {\n    let w = worley([x * 0.13, 0, z * 0.13]);\n    diffuse(hsv(360 * w.cell, 0.5, 0.9));\n    let h = min(w.second - w.nearest, 0.3);\n    group { translate(x * 0.13, h, z * 0.13); box(0.13, 1, 0.13); }\n  }\n}")
         .also(&["voronoi", "cellular", "crackle"]),
 ];

@@ -41,7 +41,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .doc("Many spheres at once, each as sphere(x, y, z, r) would make it. A blob holds floats as write_le writes them, 8 bytes each.")
         .usage("spheres([[0, 0, 0, 1], [2, 0, 0, 0.5]])")
         .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.8, 0.25, 0.15);\nlet list = [];\nfor i in 0..60 {\n  let a = radians(i * 137.5);\n  let r = 0.24 * sqrt(i);\n  list.push([r * cos(a), r * sin(a), 0, 0.2]);\n}\nspheres(list);")
-        .also(&["balls", "particles", "points"]),
+        .also(&["balls", "particles"]),
     Entry::scene(Group::Shapes, "tri", tri)
         .takes(&[
             &[

@@ -31,6 +31,8 @@ pub(super) enum Step {
     Div(u32, u32),
     Min(u32, u32),
     Max(u32, u32),
+    /// The root of the sum of both squares.
+    Hypot(u32, u32),
     Noise(u32, u32, u32),
 }
 
@@ -57,6 +59,7 @@ impl Step {
             Self::Div(a, b) => (13, int(a), int(b), 0),
             Self::Min(a, b) => (14, int(a), int(b), 0),
             Self::Max(a, b) => (15, int(a), int(b), 0),
+            Self::Hypot(a, b) => (17, int(a), int(b), 0),
             Self::Noise(a, b, c) => (16, int(a), int(b), int(c)),
         }
     }
@@ -79,6 +82,7 @@ impl Step {
             Self::Div(a, b) => Self::Div(to(a), to(b)),
             Self::Min(a, b) => Self::Min(to(a), to(b)),
             Self::Max(a, b) => Self::Max(to(a), to(b)),
+            Self::Hypot(a, b) => Self::Hypot(to(a), to(b)),
             Self::Noise(a, b, c) => Self::Noise(to(a), to(b), to(c)),
         }
     }
@@ -99,7 +103,7 @@ impl Step {
             "p0" | "p1" | "p2" => 0,
             "neg" | "abs" | "sqrt" | "square" | "sin" | "cos" => 1,
             "wrap" | "noise" => 3,
-            "pow" | "add" | "sub" | "mul" | "div" | "min" | "max" => 2,
+            "pow" | "add" | "sub" | "mul" | "div" | "min" | "max" | "hypot" => 2,
             _ => 0,
         };
         if arguments.len() != count {
@@ -123,6 +127,7 @@ impl Step {
             "div" => Self::Div(result(0)?, result(1)?),
             "min" => Self::Min(result(0)?, result(1)?),
             "max" => Self::Max(result(0)?, result(1)?),
+            "hypot" => Self::Hypot(result(0)?, result(1)?),
             "noise" => Self::Noise(result(0)?, result(1)?, result(2)?),
             constant => Self::Constant(constant.parse().ok()?),
         })
@@ -148,6 +153,7 @@ impl fmt::Debug for Step {
             Self::Div(a, b) => write!(f, "div {a} {b}"),
             Self::Min(a, b) => write!(f, "min {a} {b}"),
             Self::Max(a, b) => write!(f, "max {a} {b}"),
+            Self::Hypot(a, b) => write!(f, "hypot {a} {b}"),
             Self::Noise(a, b, c) => write!(f, "noise {a} {b} {c}"),
         }
     }
@@ -397,6 +403,12 @@ impl Field {
         self.two(other, Step::Max)
     }
 
+    /// The root of the sum of the squares of both: a length, of which bounds are known better than of its parts.
+    #[must_use]
+    pub fn hypot(&self, other: &Self) -> Self {
+        self.two(other, Step::Hypot)
+    }
+
     /// How far it is from the nearest whole multiple of `period`, with sign; of those at most `most` periods from 0.
     #[must_use]
     pub fn wrap(&self, period: f64, most: f64) -> Self {
@@ -442,6 +454,7 @@ impl Field {
                 Step::Div(a, b) => of(a).div(of(b)),
                 Step::Min(a, b) => of(a).min(of(b)),
                 Step::Max(a, b) => of(a).max(of(b)),
+                Step::Hypot(a, b) => of(a).hypot(of(b)),
                 Step::Noise(a, b, c) => T::noise([of(a), of(b), of(c)]),
             };
             results.push(last);

@@ -21,6 +21,8 @@ pub(super) trait Scalar: Copy {
     fn cos(self) -> Self;
     fn min(self, other: Self) -> Self;
     fn max(self, other: Self) -> Self;
+    /// The root of the sum of both squares.
+    fn hypot(self, other: Self) -> Self;
     /// How far it is from the nearest whole multiple of `period` that is at most `most` periods from 0.
     fn wrap(self, period: f64, most: f64) -> Self;
     /// Gradient noise at a point.
@@ -80,6 +82,9 @@ impl Scalar for f64 {
     fn max(self, other: Self) -> Self {
         if other > self { other } else { self }
     }
+    fn hypot(self, other: Self) -> Self {
+        (self * self + other * other).sqrt()
+    }
     fn wrap(self, period: f64, most: f64) -> Self {
         self - period * cell(self, period, most)
     }
@@ -130,6 +135,9 @@ impl Scalar for Interval {
     }
     fn max(self, other: Self) -> Self {
         Self::max(self, other)
+    }
+    fn hypot(self, other: Self) -> Self {
+        self.square().add(other.square()).sqrt()
     }
     fn wrap(self, period: f64, most: f64) -> Self {
         let [lo, hi] = [self.lo, self.hi].map(|x| cell(x, period, most));
@@ -257,6 +265,20 @@ impl Scalar for Slope {
         let (a, b) = (self.v.lo > other.v.hi, other.v.lo > self.v.hi);
         self.either(other, self.v.max(other.v), a, b)
     }
+    fn hypot(self, other: Self) -> Self {
+        let v = Scalar::hypot(self.v, other.v);
+        if self.d == ZERO && other.d == ZERO {
+            return Self { v, d: ZERO };
+        }
+        // A length changes no faster than its vector does, also where it is 0 and has no slope.
+        let most = Scalar::hypot(self.d, other.d).hi;
+        let mut d = Interval::new(-most, most);
+        if v.lo > 0.0 {
+            let slope = self.v.mul(self.d).add(other.v.mul(other.d)).div(v);
+            d = Interval::new(slope.lo.max(d.lo), slope.hi.min(d.hi));
+        }
+        Self { v, d }
+    }
     fn wrap(self, period: f64, most: f64) -> Self {
         let is_one = cell(self.v.lo, period, most) == cell(self.v.hi, period, most);
         let v = self.v.wrap(period, most);
@@ -366,6 +388,14 @@ impl Scalar for Gradient {
     }
     fn max(self, other: Self) -> Self {
         if self.v >= other.v { self } else { other }
+    }
+    fn hypot(self, other: Self) -> Self {
+        let v = Scalar::hypot(self.v, other.v);
+        let d = self.d * self.v + other.d * other.v;
+        Self {
+            v,
+            d: if v > 0.0 { d / v } else { DVec3::ZERO },
+        }
     }
     fn wrap(self, period: f64, most: f64) -> Self {
         Self {

@@ -105,11 +105,10 @@ fn constant(x: f64) -> Field {
 
 /// The length of a vector of fields.
 fn norm(fields: &[&Field]) -> Field {
-    let squares = fields.iter().map(|field| field.square());
-    squares
-        .reduce(|a, b| a + b)
+    let lengths = fields.iter().copied().cloned();
+    lengths
+        .reduce(|a, b| a.hypot(&b))
         .unwrap_or_else(|| constant(0.0))
-        .sqrt()
 }
 
 impl Sdf {

@@ -28,7 +28,7 @@ fn expression(rng: &mut Rng, depth: usize) -> Field {
         10 => a.sin(),
         11 => a.cos(),
         12 => a.square() - b,
-        13 => a.pow(1.7) - b,
+        13 => a.pow(1.7) - a.hypot(&b),
         14 => Field::noise(&[a, b, Field::point()[0].clone()]),
         _ => a.wrap(0.8, 2.0) + b,
     }
