@@ -59,7 +59,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .doc("A color of an endless palette, base + amplitude cos(2 PI (frequency t + phase)) for each channel, not below 0 (Inigo Quilez).")
         .usage("cosinePalette(0.3, [0.5, 0.5, 0.5], [0.5, 0.5, 0.5], [1, 1, 1], [0, 0.33, 0.67])")
         .example("background(\"#222\");\nlight([0, 0, 8], [1, 1, 1]);\nambient(0, 0, 0);\nfor i in 0..200 {\n  let r = 0.12 * sqrt(i);\n  let c = cosinePalette(i / 200.0, [0.5, 0.5, 0.5], [0.5, 0.5, 0.5],\n                        [1, 1, 0.5], [0.8, 0.9, 0.3]);\n  diffuse(c);\n  let a = radians(i * 137.5);\n  sphere(r * cos(a), r * sin(a), 0, 0.11);\n}")
-        .also(&["palette", "iqPalette", "gradient"]),
+        .also(&["palette", "iqPalette"]),
     Entry::pure(Group::Materials, "luminance", luminance)
         .takes(&[&[color_param("c", "a color")]])
         .returns("float")

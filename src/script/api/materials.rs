@@ -104,7 +104,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .doc("A color by hue, saturation and value, as color pickers show it, in linear RGB.")
         .usage("hsv(30, 0.8, 1)")
         .example("background(\"#222\");\nlight([0, 0, 8], [1, 1, 1]);\nambient(0, 0, 0);\nfor i in 0..12 {\n  diffuse(hsv(i * 30, 0.8, 1));\n  group { rotate(0, 0, 1, i * 30); sphere(1.5, 0, 0, 0.35); }\n}")
-        .also(&["hsb", "hsl", "hue"]),
+        .also(&["hsb", "hue"]),
     Entry::pure(Group::Materials, "checker", checker)
         .takes(&[&[
             color("colorA", "the cube that starts at the origin"),

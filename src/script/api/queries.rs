@@ -30,7 +30,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .doc("What a ray meets first: #{ point, normal, distance }, the normal of length 1 on the side that the ray comes from; () where it meets nothing. A definition is compiled for it once. What was made so far is compiled anew where something was added since, so of many rays between many shapes, ask a definition.")
         .usage("raycast(\"car\", [0, 10, 0], [0, -1, 0])")
         .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndefine \"hill\" { diffuse(0.3, 0.5, 0.25); scale(2.6, 1.1, 2); sphere(0, -0.6, 0, 1); }\ninstance(\"hill\");\nfor i in 0..60 {\n  let hit = raycast(\"hill\", [random(-2.2, 2.2), 5, random(-1.5, 1.5)], [0, -1, 0]);\n  if hit == () { continue; }\n  group {   // a tree where the ray came down\n    translate(hit.point + vec3(0, 0.25, 0));\n    diffuse(0.1, random(0.3, 0.5), 0.15);\n    cone(0.12, 0.5);\n  }\n}")
-        .also(&["trace", "rayCast", "intersect", "ray_cast", "hitTest", "pick"]),
+        .also(&["trace", "rayCast", "intersect", "ray_cast", "hitTest"]),
     Entry::scene(Group::Queries, "bounds", bounds)
         .takes(&[&[NAME], &[]])
         .returns("map | ()")

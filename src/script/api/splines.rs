@@ -34,7 +34,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .doc("A smooth curve through all points. Its length in units is curve.length.")
         .usage("catmullRom([[0, 0, 0], [1, 2, 0], [3, 1, 0]])")
         .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\nlet points = [[-2, -1, 0], [-1, 1, 0], [0.4, 0.8, 0], [0.2, -1, 0], [2, -0.4, 0]];\nlet way = catmullRom(points);\ndiffuse(0.8, 0.25, 0.15);\nfor p in points { sphere(p, 0.17); }\ndiffuse(0.2, 0.3, 0.4);\nfor p in points(way, 60) { sphere(p, 0.06); }")
-        .also(&["spline", "curve", "cubic_spline", "natural_spline", "curveVertex", "splinePoint"]),
+        .also(&["spline", "cubic_spline", "natural_spline", "curveVertex", "splinePoint"]),
     Entry::pure(Group::Curves, "bezier", |call| curve(call, Spline::Bezier))
         .takes(&[&[POINTS, CLOSED]])
         .returns("curve")
