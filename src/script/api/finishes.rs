@@ -96,7 +96,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .takes(&[&[number("abbe", "none", "Abbe number, 1 or greater: window glass 60, flint glass 30, diamond 55; 10 for show")]])
         .doc("Bends colors apart as glass with this Abbe number does, ior(n) being that of yellow light. Each sample that goes through has one wavelength, so this needs many samples.")
         .usage("dispersion(25)")
-        .example("background(\"#000\");\nsamples(24);\nmaxDepth(8);\nambient(0, 0, 0);\ncamera([0, 0, 6], [0, 0, 0], [0, 1, 0], 40);\ngroup { emission(1, 1, 1); translate(0, 0.5, -6); scale(9, 0.3, 0.1); box(); }\ntransmission(1, 1, 1);\nior(1.6);\ndispersion(8);\nsphere(0, 0, 0, 1.3);")
+        .example("background(\"#e8edf2\");\nsamples(24);\nmaxDepth(8);\nambient(0, 0, 0);\ncamera([0, 0, 6], [0, 0, 0], [0, 1, 0], 40);\nfor y in [-2, 0.5] {   // black bars behind the ball\n  group { translate(0, y, -6); scale(12, 0.5, 0.1); box(); }\n}\ntransmission(1, 1, 1);\nior(1.6);\ndispersion(8);\nsphere(0, 0, 0, 1.3);")
         .also(&["abbe", "rainbow", "chromatic"]),
     Entry::scene(Group::Materials, "bump", bump)
         .takes(&[&[
