@@ -276,7 +276,7 @@ impl CameraFrame {
 
     /// As [`CameraFrame::project`], in as many straight pieces as it takes, for every camera: of two eyes each sees it.
     #[must_use]
-    pub(crate) fn paths(&self, a: DVec3, b: DVec3) -> Vec<[[f64; 2]; 2]> {
+    pub fn paths(&self, a: DVec3, b: DVec3) -> Vec<[[f64; 2]; 2]> {
         if let Some(line) = self.project(a, b) {
             return vec![line];
         }
