@@ -201,7 +201,6 @@ pub(super) fn radiance<O: Observer>(
             world, &at, hit.number, ray.origin, &gloss, &path, counts, observer,
         );
         let mut added = weight * (ambient + emission + direct);
-        let mut weight = weight;
         if let Some(around) = &world.around {
             // Where something transparent touches something opaque, the hit counts from elsewhere.
             let way = (&ray, (at.position - ray.origin).length());

@@ -75,6 +75,10 @@ pub(super) const ENTRIES: &[Entry] = &[
 /// A point at which there is noise.
 fn point(call: &mut Call<'_, '_>) -> Outcome<DVec3> {
     let p = call.vec3("v")?;
+    within_reach(call, p)
+}
+
+fn within_reach(call: &Call<'_, '_>, p: DVec3) -> Outcome<DVec3> {
     if p.abs().max_element() > noise::REACH {
         return Err(call.error("beyond 1e9 there is no noise, for want of digits"));
     }
@@ -144,8 +148,5 @@ fn noise_at(call: &mut Call<'_, '_>) -> Outcome {
         _ => call.vec3("v")?,
     };
     call.end()?;
-    if p.abs().max_element() > noise::REACH {
-        return Err(call.error("beyond 1e9 there is no noise, for want of digits"));
-    }
-    Ok(Dynamic::from(noise::perlin(p)))
+    Ok(Dynamic::from(noise::perlin(within_reach(call, p)?)))
 }

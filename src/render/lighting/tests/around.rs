@@ -23,12 +23,7 @@ fn seen(dir: DVec3, build: impl FnOnce(&mut Builder)) -> Color {
     let up = if dir.y.abs() > 0.9 { DVec3::X } else { DVec3::Y };
     b.camera(Camera::new(DVec3::ZERO, dir, up, 1.0).unwrap());
     build(&mut b);
-    let scene = b.finish().value;
-    let image = render(&scene, &RenderOptions::default(), &NoHost)
-        .unwrap()
-        .value
-        .image;
-    image.pixel(0, 0).unwrap()
+    only_pixel(b)
 }
 
 #[test]

@@ -30,6 +30,11 @@ fn floor_at(at: DVec3, light: impl FnOnce(&mut Builder)) -> Color {
     b.material_mut().diffuse = Term::color(Color::ONE);
     b.shape(Shape::Plane(Plane)).unwrap();
     light(&mut b);
+    only_pixel(b)
+}
+
+/// The picture of one pixel.
+fn only_pixel(b: Builder) -> Color {
     let scene = b.finish().value;
     let image = render(&scene, &RenderOptions::default(), &NoHost)
         .unwrap()
