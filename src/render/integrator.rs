@@ -140,10 +140,17 @@ pub(super) fn radiance<O: Observer>(
         }
         let ray = probe.ray;
         observer.ray(&ray, weight, depth);
-        let hit = known
+        let mut hit = known
             .take()
             .unwrap_or_else(|| world.nearest(&probe, f64::INFINITY));
-        let Some((hit, mut at)) = hit.and_then(|hit| seen(world, &probe, hit)) else {
+        let mut point = hit.as_ref().and_then(|hit| world.surface(hit, &probe.ray));
+        if let (Some(hit), Some(at)) = (&mut hit, &mut point)
+            && !at.material.transmission.is_black()
+        {
+            prefer_opaque(world, &probe, hit, at);
+        }
+        // By reference: a surface's point is too large to be moved for each ray.
+        let (Some(hit), Some(at)) = (&hit, &mut point) else {
             if inside.is_any() {
                 weight *= polish::dimmed(world, inside, None, f64::INFINITY);
                 observer.dimmed(weight);
@@ -167,19 +174,19 @@ pub(super) fn radiance<O: Observer>(
         };
         if world.needs_width {
             before += (at.position - ray.origin).length();
-            world.measure(&hit, &ray, &mut at, world.pixel_width(before));
+            world.measure(hit, &ray, at, world.pixel_width(before));
         }
         let mut polished = None;
         if inside.is_any() || at.material.finish.is_some() {
             let distance = (at.position - ray.origin).length();
-            weight *= polish::dimmed(world, inside, Some(&at), distance);
+            weight *= polish::dimmed(world, inside, Some(at), distance);
             observer.dimmed(weight);
             let finish = at.material.finish.as_deref();
-            polished =
-                finish.map(|finish| Polished::new(world, finish, (&hit, &ray), &mut at, inside, &path));
+            polished = finish.map(|finish| Polished::new(world, finish, (hit, &ray), at, inside, &path));
         }
-        observer.surface(&hit, &ray, &at);
-        let term = |term| world.term(term, &at);
+        let at = &*at;
+        observer.surface(hit, &ray, at);
+        let term = |term| world.term(term, at);
         let m = at.material;
         let gloss = Gloss {
             diffuse: term(&m.diffuse),
@@ -195,16 +202,14 @@ pub(super) fn radiance<O: Observer>(
             && around.occlusion.is_some()
             && ambient != Color::ZERO
         {
-            ambient *= lighting::openness(world, &at, hit.number, &path, counts);
+            ambient *= lighting::openness(world, at, hit.number, &path, counts);
         }
-        let direct = lighting::direct(
-            world, &at, hit.number, ray.origin, &gloss, &path, counts, observer,
-        );
+        let direct = lighting::direct(world, at, hit.number, ray.origin, &gloss, &path, counts, observer);
         let mut added = weight * (ambient + emission + direct);
         if let Some(around) = &world.around {
             // Where something transparent touches something opaque, the hit counts from elsewhere.
             let way = (&ray, (at.position - ray.origin).length());
-            if let Some(air) = around.air(world, way, Some(&at), &path, counts) {
+            if let Some(air) = around.air(world, way, Some(at), &path, counts) {
                 observer.air(&air);
                 added = weight * (air.passed * (ambient + emission + direct) + air.scattered);
                 weight *= air.passed;
@@ -218,7 +223,7 @@ pub(super) fn radiance<O: Observer>(
         }
         if depth == settings.max_depth {
             match &polished {
-                None => observer.deepest(world, &at, &ray, weight),
+                None => observer.deepest(world, at, &ray, weight),
                 Some(polished) if O::WATCHES => {
                     polished.split(weight, &path, &mut AtTheEnd(observer));
                 }
@@ -227,7 +232,7 @@ pub(super) fn radiance<O: Observer>(
             continue;
         }
         let (mirrored, refracted) = match &polished {
-            None => split(world, &at, &ray, weight, observer),
+            None => split(world, at, &ray, weight, observer),
             Some(polished) => polished.split(weight, &path, observer),
         };
         // The mirrored ray goes first.
@@ -259,23 +264,17 @@ pub(super) fn radiance<O: Observer>(
     }
 }
 
-/// What a ray shows that meets `hit`. Where something transparent touches something opaque, as a block of glass touches the table it
-/// stands on, that is the opaque one: it would be seen through the other anyway, and which of the two is nearer
-/// is a matter of rounding.
-#[inline(always)]
-fn seen<'s>(world: &World<'s>, probe: &Probe, hit: Hit) -> Option<(Hit, SurfacePoint<'s>)> {
-    let at = world.surface(&hit, &probe.ray)?;
-    if at.material.transmission.is_black() {
-        return Some((hit, at));
+/// Where something transparent touches something opaque, as a block of glass touches the table it stands on, what a
+/// ray shows is the opaque one: it would be seen through the other anyway, and which of the two is nearer is a matter
+/// of rounding. `at` is where the ray meets something transparent.
+#[inline(never)]
+fn prefer_opaque<'s>(world: &World<'s>, probe: &Probe, hit: &mut Hit, at: &mut SurfacePoint<'s>) {
+    if let Some((other, ray)) = world.touching(hit, &probe.ray, at)
+        && let Some(behind) = world.surface(&other, &ray)
+        && behind.material.transmission.is_black()
+    {
+        (*hit, *at) = (other, behind);
     }
-    let behind = world
-        .touching(&hit, &probe.ray, &at)
-        .and_then(|(hit, ray)| Some((hit, world.surface(&hit, &ray)?)));
-    Some(
-        behind
-            .filter(|(_, other)| other.material.transmission.is_black())
-            .unwrap_or((hit, at)),
-    )
 }
 
 /// A ray that goes on from a surface.

@@ -8,6 +8,7 @@
 use super::{
     integrator::{self, Counts, Stack},
     interrupt::Interrupt,
+    sampler::Sampler,
     shots::{Mean, Shot, Shots},
     world::{PACKET, Probe, World},
 };
@@ -40,15 +41,11 @@ impl Square<'_> {
         for first in (0..samples).step_by(at_once as usize) {
             let indices = first..samples.min(first + at_once);
             let count = (indices.end - indices.start) as usize;
-            let shot = |i: usize| {
-                self.shots
-                    .plain(self.place((i / count) as u32), first + (i % count) as u32)
-            };
-            let (probe, sampler) = shot(0);
+            let (probe, sampler) = self.plain(0, first, count);
             let (mut probes, mut samplers) = ([probe; PACKET], [sampler; PACKET]);
             let len = PACKET.min(pixels as usize * count);
             for i in 1..len {
-                (probes[i], samplers[i]) = shot(i);
+                (probes[i], samplers[i]) = self.plain(i, first, count);
             }
             let mut hits = [None; PACKET];
             let hits = &mut hits[..len];
@@ -69,7 +66,15 @@ impl Square<'_> {
         }
     }
 
+    /// Ray `i` where each pixel has `count` in turn, from sample `first` on.
+    #[inline(always)]
+    fn plain(&self, i: usize, first: u32, count: usize) -> (Probe, Sampler) {
+        self.shots
+            .plain(self.place((i / count) as u32), first + (i % count) as u32)
+    }
+
     /// The place of a pixel of the square.
+    #[inline(always)]
     fn place(&self, pixel: u32) -> (u32, u32) {
         (self.at.0 + pixel % self.size.0, self.at.1 + pixel / self.size.0)
     }

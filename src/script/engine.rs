@@ -26,7 +26,7 @@ use super::{
     modules::Resolver,
     power,
     session::{self, Clock, with_state},
-    table::{Entry, Run, entries},
+    table::{Entry, Run, arities, entries},
     value::{Outcome, ScriptError},
     vocabulary::CONSTANTS,
 };
@@ -70,30 +70,33 @@ const SHARED: [&str; 1] = ["blob"];
 /// All functions of the table, with what belongs to our types.
 fn scene_module() -> Module {
     let mut module = Module::new();
+    let dynamic = [TypeId::of::<Dynamic>(); MOST_DYNAMIC];
     for entry in entries().filter(|e| !matches!(e.run, Run::Syntax)) {
-        let arities = entry.arities();
-        for &arity in &arities {
-            for types in parameter_types(arity) {
-                register(&mut module, entry.name, &types, Purity::Pure, move |ctx, args| {
+        let accepted = entry.arity_set();
+        for arity in arities(accepted) {
+            let mut add = |types: &[TypeId]| {
+                register(&mut module, entry.name, types, Purity::Pure, move |ctx, args| {
                     invoke(entry, ctx, args)
                 });
+            };
+            match dynamic.get(..arity) {
+                Some(types) => add(types),
+                None => numbers_beyond(&dynamic, arity)
+                    .iter()
+                    .for_each(|types| add(types)),
             }
         }
-        // A slip in the number of arguments gets the entry's own error, also where the script catches it.
-        // Beyond two too many, Rhai's "function not found" is translated.
-        let most = arities.last().map_or(0, |n| n + 2).min(MOST_DYNAMIC);
-        let is_ours = !SHARED.contains(&entry.name);
-        for arity in (0..=most).filter(|n| is_ours && !arities.contains(n)) {
-            register(
-                &mut module,
-                entry.name,
-                &vec![TypeId::of::<Dynamic>(); arity],
-                Purity::Pure,
-                move |ctx, args| {
-                    let e = wrong_count(entry, args.len());
-                    Err(e.raise_in(ctx.call_source(), ctx.call_position()))
-                },
-            );
+        if SHARED.contains(&entry.name) {
+            continue;
+        }
+        // A slip by one argument gets the entry's own error, also where the script catches it. Where more is wrong,
+        // Rhai's "function not found" is translated: each registration is paid for at every start.
+        let slips = (accepted << 1 | accepted >> 1) & !accepted;
+        for types in arities(slips).filter_map(|arity| dynamic.get(..arity)) {
+            register(&mut module, entry.name, types, Purity::Pure, move |ctx, args| {
+                let e = wrong_count(entry, args.len());
+                Err(e.raise_in(ctx.call_source(), ctx.call_position()))
+            });
         }
     }
     for constant in CONSTANTS {
@@ -122,11 +125,9 @@ fn scene_module() -> Module {
 /// Rhai looks for `Dynamic` parameters among the first 16.
 const MOST_DYNAMIC: usize = 16;
 
-/// The parameter types under which a function of `arity` parameters is registered: `Dynamic`, which is looked
-/// up for at most 16 parameters; those beyond are ints or floats.
-fn parameter_types(arity: usize) -> Vec<Vec<TypeId>> {
-    let dynamic = vec![TypeId::of::<Dynamic>(); arity.min(MOST_DYNAMIC)];
-    (MOST_DYNAMIC..arity).fold(vec![dynamic], |lists, _| {
+/// The parameter types of a function with more parameters than may be `Dynamic`: those beyond are ints or floats.
+fn numbers_beyond(dynamic: &[TypeId], arity: usize) -> Vec<Vec<TypeId>> {
+    (dynamic.len()..arity).fold(vec![dynamic.to_vec()], |lists, _| {
         let number = [TypeId::of::<i64>(), TypeId::of::<f64>()];
         lists
             .iter()

@@ -181,6 +181,11 @@ impl Entry {
     /// How many arguments it may be given, in ascending order: a vector counts for one or for three.
     #[must_use]
     pub fn arities(&self) -> Vec<usize> {
+        arities(self.arity_set()).collect()
+    }
+
+    /// The same as a set: bit n where n arguments are accepted.
+    pub(super) fn arity_set(&self) -> u64 {
         let mut all = 0u64;
         for params in self.forms {
             let mut reached = 1u64;
@@ -196,8 +201,14 @@ impl Entry {
             }
             all |= reached;
         }
-        (0..64).filter(|n| all >> n & 1 == 1).collect()
+        all
     }
+}
+
+/// The numbers in a set of numbers of arguments, in ascending order.
+pub(super) fn arities(set: u64) -> impl Iterator<Item = usize> {
+    let rest = |set: &u64| Some(set & (set - 1)).filter(|rest| *rest != 0);
+    std::iter::successors(Some(set).filter(|set| *set != 0), rest).map(|set| set.trailing_zeros() as usize)
 }
 
 impl std::fmt::Debug for Entry {

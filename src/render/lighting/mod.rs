@@ -53,6 +53,7 @@ pub(super) struct Lit<'a> {
     clippy::too_many_arguments,
     reason = "one more than allowed, and all of them differ in kind"
 )]
+#[inline(always)]
 pub(super) fn direct<O: Observer>(
     world: &World<'_>,
     at: &SurfacePoint<'_>,

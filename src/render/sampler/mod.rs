@@ -84,10 +84,17 @@ pub(crate) fn permuted(index: u32, count: u32, key: u64) -> u32 {
 
 /// Where in the unit square sample `index` of `count` lies: strata of equal area, in rows as square as `count`
 /// allows, jittered by two random numbers. A single sample is the center.
+#[inline(always)]
 pub(crate) fn stratified(index: u32, count: u32, jitter: impl Fn(u64) -> f64) -> (f64, f64) {
     if count <= 1 {
         return (0.5, 0.5);
     }
+    in_stratum(index, count, jitter)
+}
+
+/// As [`stratified`], for more than one sample.
+#[inline(never)]
+fn in_stratum(index: u32, count: u32, jitter: impl Fn(u64) -> f64) -> (f64, f64) {
     // `rows` rows share `count` samples as evenly as they can; a row is as high as its share.
     let rows = count.isqrt();
     let (base, longer) = (count / rows, count % rows);

@@ -395,10 +395,12 @@ impl<'s> World<'s> {
         !self.scene.textures.is_empty() || self.uv_everywhere
     }
 
+    #[inline(always)]
     fn is_textured(&self, material: MaterialId) -> bool {
         self.has_textures() && (self.uv_everywhere || self.has_texture(material))
     }
 
+    #[inline(never)]
     fn has_texture(&self, material: MaterialId) -> bool {
         self.scene.materials.get(material.index()).is_some_and(|m| {
             [
