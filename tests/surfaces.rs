@@ -230,3 +230,198 @@ fn an_explanation_adds_up_to_the_pixel() {
         }
     }
 }
+
+/// Every term that is a number or a color, as a constant and as a texture that is that constant everywhere, with another value.
+const TERMS: [[&str; 3]; 15] = [
+    ["shininess(30);", "shininess(TEX(30));", "shininess(5);"],
+    [
+        "fresnel(true); ior(1.3);",
+        "fresnel(true); ior(TEX(1.3));",
+        "fresnel(true); ior(2.2);",
+    ],
+    [
+        "transmission(0.7, 0.7, 0.7); ior(1.3);",
+        "transmission(0.7, 0.7, 0.7); ior(TEX(1.3));",
+        "transmission(0.7, 0.7, 0.7); ior(1.1);",
+    ],
+    [
+        "conductor([0.2, 0.9, 1.1], [4, 2.5, 2]);",
+        "conductor(checker([0.2, 0.9, 1.1], [0.2, 0.9, 1.1], 1), TEX(1) * vec3(4, 2.5, 2));",
+        "conductor([0.2, 0.9, 0.1], [4, 2.5, 2]);",
+    ],
+    ["orenNayar(40);", "orenNayar(TEX(40));", "orenNayar(10);"],
+    [
+        "clearCoat(0.8, 0.3);",
+        "clearCoat(TEX(0.8), TEX(0.3));",
+        "clearCoat(0.8, 0.6);",
+    ],
+    ["clearCoat(0.8);", "clearCoat(TEX(0.8));", "clearCoat(0.3);"],
+    [
+        "transmission(1, 1, 1); absorption([0.5, 0.2, 0.9], 2);",
+        "transmission(1, 1, 1); absorption(checker([0.5, 0.2, 0.9], [0.5, 0.2, 0.9], 1), TEX(2));",
+        "transmission(1, 1, 1); absorption([0.5, 0.2, 0.9], 1);",
+    ],
+    [
+        "transmission(1, 1, 1); dispersion(20);",
+        "transmission(1, 1, 1); dispersion(TEX(20));",
+        "transmission(1, 1, 1); dispersion(5);",
+    ],
+    [
+        "bump(marble(), 0.1);",
+        "bump(marble(), TEX(0.1));",
+        "bump(marble(), 0.3);",
+    ],
+    [
+        "normalMap(DENTS, 0.7);",
+        "normalMap(DENTS, TEX(0.7));",
+        "normalMap(DENTS, 0.2);",
+    ],
+    [
+        "reflection(0.5, 0.5, 0.5); roughness(0.3);",
+        "reflection(0.5, 0.5, 0.5); roughness(TEX(0.3));",
+        "reflection(0.5, 0.5, 0.5); roughness(0.8);",
+    ],
+    [
+        "emission(0.1, 0.2, 0.3);",
+        "emission(TEX(1) * vec3(0.1, 0.2, 0.3));",
+        "emission(0.2, 0.2, 0.3);",
+    ],
+    [
+        "reflection(0.3, 0.3, 0.3);",
+        "reflection(TEX(0.3));",
+        "reflection(0.1, 0.3, 0.3);",
+    ],
+    [
+        "transmission(0.3, 0.3, 0.3);",
+        "transmission(TEX(0.3));",
+        "transmission(0.1, 0.3, 0.3);",
+    ],
+];
+
+/// A ball of a material between lights, above a checkered floor.
+fn ball(material: &str) -> Image {
+    let mut material = material.replace(
+        "DENTS",
+        "image(#{ width: 2, height: 1, pixels: [0.3, 0.5, 1, 0.6, 0.6, 1] })",
+    );
+    while let Some((before, (value, after))) = material
+        .split_once("TEX(")
+        .and_then(|(before, rest)| Some((before, rest.split_once(')')?)))
+    {
+        material =
+            format!("{before}checker([{value}, {value}, {value}], [{value}, {value}, {value}], 0.3){after}");
+    }
+    render(&format!(
+        "size(16, 12); samples(2); background(0.3, 0.4, 0.5); ambient(0, 0, 0); camera([0, 1, 5], [0, 0, 0], [0, 1, 0], 30);\n\
+         directional([2, 4, 3], [0.9, 0.9, 0.9]); light([-3, 2, 4], [0.4, 0.4, 0.4]);\n\
+         group {{ translate(0, -1, 0); diffuse(checker(\"#fff\", \"#a63\", 1)); plane(); }}\n\
+         diffuse(0.4, 0.3, 0.2); specular(0.3, 0.3, 0.3); {material}\nsphere(0, 0, 0, 1);"
+    ))
+    .image
+}
+
+fn greatest_difference(a: &Image, b: &Image) -> f64 {
+    let pixels = (0..a.height()).flat_map(|y| (0..a.width()).map(move |x| (x, y)));
+    let differences = pixels.map(|(x, y)| a.pixel(x, y).unwrap() - b.pixel(x, y).unwrap());
+    differences.map(|d| d.abs().max_element()).fold(0.0, f64::max)
+}
+
+#[test]
+fn every_term_takes_a_texture() {
+    for [constant, textured, other] in TERMS {
+        let expected = ball(constant);
+        let found = greatest_difference(&expected, &ball(textured));
+        // The light on a way in parts is a product that rounds otherwise.
+        assert!(found < 1e-9, "{textured}: {found}");
+        let apart = greatest_difference(&expected, &ball(other));
+        assert!(apart > 1e-3, "{other} looks like {constant}: {apart}");
+    }
+}
+
+#[test]
+fn terms_take_the_values_of_their_textures() {
+    // Each pixel is as if the value at its place were everywhere. What is seen through other parts of the surface is left out.
+    for (term, a, b) in [
+        ("shininess(TEX)", "5", "60"),
+        ("orenNayar(TEX)", "0", "50"),
+        ("clearCoat(TEX)", "0", "1"),
+        ("clearCoat(1, TEX)", "0", "0.7"),
+        ("fresnel(true); ior(TEX)", "1.1", "2"),
+        ("conductor(TEX, TEX)", "0.3", "2"),
+        ("conductor(TEX, TEX); roughness(TEX)", "0.2", "0.9"),
+    ] {
+        let of = |value: &str| {
+            ball(&format!(
+                "{};",
+                term.replace(
+                    "TEX",
+                    &format!("checker([{value}, {value}, {value}], [{value}, {value}, {value}], 1)")
+                )
+            ))
+        };
+        let (at_a, at_b) = (of(a), of(b));
+        let mixed = ball(&format!(
+            "{};",
+            term.replace("TEX", &format!("checker([{a}, {a}, {a}], [{b}, {b}, {b}], 9)"))
+        ));
+        let mut seen = [0; 2];
+        for y in 0..12 {
+            for x in 0..16 {
+                let pixel = |image: &Image| image.pixel(x, y).unwrap();
+                if pixel(&at_a) == pixel(&at_b) {
+                    continue;
+                }
+                seen[0] += usize::from(pixel(&mixed) == pixel(&at_a));
+                seen[1] += usize::from(pixel(&mixed) == pixel(&at_b));
+            }
+        }
+        assert!(seen.into_iter().all(|n| n > 4), "{term}: {seen:?}");
+    }
+}
+
+#[test]
+fn what_varies_inside_is_followed_along_the_way() {
+    // Half of the way of one color, half of another; the boundary is that of two of the parts that are looked at.
+    let [near, far] = [DVec3::new(0.5, 0.25, 1.0), DVec3::new(0.9, 0.81, 0.6)];
+    let inside = "checker([0.5, 0.25, 1], [0.9, 0.81, 0.6], 8)";
+    let slab = |place: &str, more: &str| {
+        let scene = format!(
+            "size(1, 1); background(1, 1, 1); ambient(0, 0, 0); camera([1, 1, 9], [1, 1, 0], [0, 1, 0], 0.01);\n\
+             define \"slab\" {{ transmission(1, 1, 1); ior(1); absorption({inside}, 1); box(4, 4, 2); }}\n{place}\n{more}"
+        );
+        render(&scene).image.pixel(0, 0).unwrap()
+    };
+    let is = |found: DVec3, expected: DVec3| {
+        assert!(
+            (found - expected).abs().max_element() < 1e-9,
+            "{found} and not {expected}"
+        );
+    };
+    is(slab("instance(\"slab\");", ""), near * far);
+    // Twice as deep, its halves too.
+    let twice = near * near * far * far;
+    is(slab("group { scale(1, 1, 2); instance(\"slab\"); }", ""), twice);
+    // Behind the middle, a ray from the eye sees the half before it, and light of a lamp comes through as much.
+    let root = |c: DVec3, x: f64| DVec3::new(math::pow(c.x, x), math::pow(c.y, x), math::pow(c.z, x));
+    is(
+        slab(
+            "instance(\"slab\");",
+            "emission(1, 1, 1); translate(1, 1, 0); box(0.5, 0.5, 1);",
+        ),
+        root(near, 0.5),
+    );
+    is(
+        slab(
+            "instance(\"slab\");",
+            "directional([0, 0, 1], [1, 1, 1]); diffuse(1, 1, 1); translate(1, 1, -0.25); box(0.5, 0.5, 0.5);",
+        ),
+        near * near,
+    );
+    // The shadow of the whole on a wall.
+    let wall = format!(
+        "size(1, 1); ambient(0, 0, 0); camera([5, 0, 0], [0, 0, -3], [0, 1, 0], 0.01); directional([0, 0, 1], [1, 1, 1]);\n\
+         group {{ translate(-1, -1, 0); transmission(1, 1, 1); ior(1); absorption({inside}, 1); box(4, 4, 2); }}\n\
+         group {{ diffuse(1, 1, 1); translate(0, 0, -3); rotate(1, 0, 0, 90); plane(); }}"
+    );
+    is(render(&wall).image.pixel(0, 0).unwrap(), near * far);
+}

@@ -152,7 +152,7 @@ pub(super) fn radiance<O: Observer>(
         // By reference: a surface's point is too large to be moved for each ray.
         let (Some(hit), Some(at)) = (&hit, &mut point) else {
             if inside.is_any() {
-                weight *= polish::dimmed(world, inside, None, f64::INFINITY);
+                weight *= polish::dimmed(world, inside, &ray, None, &path);
                 observer.dimmed(weight);
             }
             let mut seen = settings.background;
@@ -178,8 +178,7 @@ pub(super) fn radiance<O: Observer>(
         }
         let mut polished = None;
         if inside.is_any() || at.material.finish.is_some() {
-            let distance = (at.position - ray.origin).length();
-            weight *= polish::dimmed(world, inside, Some(at), distance);
+            weight *= polish::dimmed(world, inside, &ray, Some((hit, at)), &path);
             observer.dimmed(weight);
             let finish = at.material.finish.as_deref();
             polished = finish.map(|finish| Polished::new(world, finish, (hit, &ray), at, inside, &path));

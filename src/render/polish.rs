@@ -11,25 +11,25 @@ use super::{
 use crate::{
     color::{self, Color},
     math::{self, DVec2, DVec3, Exponent, Ray},
-    scene::{Absorption, CustomReflectance, Finish, MaterialId, ShadingPoint, finish_mean},
+    scene::{Absorption, CustomReflectance, Finish, ShadingPoint, Term, finish_mean},
 };
 
 /// What a ray carries along from surface to surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Inside(u32);
+pub(super) struct Inside(u64);
 
 impl Inside {
-    const COLORED: u32 = 1 << 31;
+    const COLORED: u64 = 1 << 63;
 
     /// True where it carries anything.
     pub(super) fn is_any(self) -> bool {
         self.0 != 0
     }
 
-    /// Inside of this material, which takes from the light.
-    fn entered(self, material: Option<MaterialId>) -> Self {
-        // A scene has far fewer materials than that.
-        let number = material.map_or(0, |id| (id.0 + 1) & !Self::COLORED);
+    /// Inside of what the primitive with this number bounds, which takes from the light.
+    fn entered(self, primitive: Option<u64>) -> Self {
+        // A scene has far fewer primitives than that.
+        let number = primitive.map_or(0, |number| (number + 1) & !Self::COLORED);
         Self(self.0 & Self::COLORED | number)
     }
 
@@ -38,8 +38,8 @@ impl Inside {
         Self(self.0 & Self::COLORED)
     }
 
-    fn material(self) -> Option<MaterialId> {
-        (self.0 & !Self::COLORED).checked_sub(1).map(MaterialId)
+    fn primitive(self) -> Option<u64> {
+        (self.0 & !Self::COLORED).checked_sub(1)
     }
 
     /// Has one wavelength from now on.
@@ -57,10 +57,36 @@ const WAVELENGTH: u64 = 0;
 const REFLECTED: u64 = 1;
 const COATED: u64 = 3;
 const WHICH: u64 = 5;
+const ABSORBED: u64 = 6;
 
-/// What is left of light after `distance` through what absorbs it (Beer, 1852).
-fn left_of(absorption: &Absorption, distance: f64) -> Color {
-    let times = distance / absorption.distance;
+/// The number that a term is at a point, within its range.
+fn number(world: &World<'_>, term: &Term, at: &SurfacePoint<'_>, [least, most]: [f64; 2]) -> f64 {
+    Term::number_of(world.term(term, at)).max(least).min(most)
+}
+
+/// Index of refraction at a point.
+fn index(world: &World<'_>, finish: &Finish, at: &SurfacePoint<'_>) -> f64 {
+    finish
+        .ior
+        .as_ref()
+        .map_or(at.material.ior, |ior| number(world, ior, at, Finish::INDEX))
+}
+
+/// Index of refraction and absorption coefficient of a metal at a point.
+fn metal(world: &World<'_>, finish: &Finish, at: &SurfacePoint<'_>) -> Option<[Color; 2]> {
+    let within = |term, [least, most]: [f64; 2]| {
+        world
+            .term(term, at)
+            .max(Color::splat(least))
+            .min(Color::splat(most))
+    };
+    let metal = finish.conductor.as_ref()?;
+    Some([within(&metal.eta, Finish::ETA), within(&metal.k, Finish::K)])
+}
+
+/// What is left of light after `distance` through what absorbs it: `color` is left after `unit` (Beer, 1852).
+fn left_of(color: Color, unit: f64, distance: f64) -> Color {
+    let times = distance / unit;
     let channel = |share: f64| {
         if share >= 1.0 {
             1.0
@@ -68,54 +94,112 @@ fn left_of(absorption: &Absorption, distance: f64) -> Color {
             math::pow(share, times)
         }
     };
-    let c = absorption.color;
-    Color::new(channel(c.x), channel(c.y), channel(c.z))
+    Color::new(channel(color.x), channel(color.y), channel(color.z))
 }
 
-/// What is left of the light that a ray sees, having come this far through what it is inside of. `at` is where it ended, if it
+/// Places on a way through what varies that are looked at, each standing for an equal part of it.
+const PLACES: u32 = 16;
+
+/// What is left of light on the way that `ray` goes to `end`, or for good, inside of what the primitive `number` bounds. `end` is on
+/// the surface of the same. `moved` from 0 to 1 is where in each part of the way its place is.
+fn absorbed(
+    world: &World<'_>,
+    absorption: &Absorption,
+    (number, ray): (u64, &Ray),
+    end: Option<&SurfacePoint<'_>>,
+    distance: f64,
+    moved: f64,
+) -> Color {
+    let Absorption {
+        color,
+        distance: unit,
+    } = absorption;
+    if color.texture.is_none() && unit.texture.is_none() {
+        return left_of(color.color, Term::number_of(unit.color), distance);
+    }
+    let uv = end.map(|end| end.uv);
+    let left_over = |t: f64, length: f64| {
+        let Some(mut place) = world.place_near(number, ray, ray.at(t)) else {
+            return Color::ONE;
+        };
+        // No pixel is seen there.
+        place.width = [0.0; 2];
+        if let Some(uv) = uv {
+            place.uv = uv;
+        }
+        let at = |term: &Term| world.term_at(term, || place);
+        let color = at(color);
+        let [least, most] = Finish::LEFT.map(Color::splat);
+        let [nearest, farthest] = Finish::DISTANCE;
+        let unit = Term::number_of(at(unit)).max(nearest).min(farthest);
+        left_of(color.max(least).min(most), unit, length)
+    };
+    if !distance.is_finite() {
+        return left_over(0.0, distance);
+    }
+    let part = distance / f64::from(PLACES);
+    (0..PLACES).fold(Color::ONE, |left, i| {
+        left * left_over((f64::from(i) + moved) * part, part)
+    })
+}
+
+/// What is left of the light that a ray sees, having come this far through what it is inside of. `end` is where it ended, if it
 /// did.
 #[cold]
 #[inline(never)]
 pub(super) fn dimmed(
     world: &World<'_>,
     inside: Inside,
-    at: Option<&SurfacePoint<'_>>,
-    distance: f64,
+    ray: &Ray,
+    end: Option<(&Hit, &SurfacePoint<'_>)>,
+    path: &Path<'_>,
 ) -> Color {
-    let entered = inside
-        .material()
-        .and_then(|id| world.scene.materials.get(id.index()));
+    let leaves = end.filter(|(_, at)| !at.from_front);
     // Without having seen how it came in, a ray that leaves knows what it leaves.
-    let left = at.filter(|at| !at.from_front).map(|at| at.material);
-    let absorption = entered
-        .or(left)
-        .and_then(|material| material.finish.as_ref()?.absorption.as_ref());
-    absorption.map_or(Color::ONE, |absorption| left_of(absorption, distance))
+    let Some(number) = inside.primitive().or(leaves.map(|(hit, _)| hit.number)) else {
+        return Color::ONE;
+    };
+    let id = world.material_id(number);
+    let material = id.and_then(|id| world.scene.materials.get(id.index()));
+    let Some(absorption) = material.and_then(|material| material.finish.as_ref()?.absorption.as_ref()) else {
+        return Color::ONE;
+    };
+    let distance = end.map_or(f64::INFINITY, |(_, at)| (at.position - ray.origin).length());
+    let own = leaves.filter(|(hit, _)| world.material_id(hit.number) == id);
+    let moved = path.of_surface(ABSORBED);
+    let way = (number, ray);
+    absorbed(world, absorption, way, own.map(|(_, at)| at), distance, moved)
 }
 
-/// The share of a shadow ray's light that comes through a transparent surface with a finish, `kt` being its Kt; `distance` is how
-/// far the ray came.
+/// The share of a shadow ray's light that comes through a transparent surface with a finish, `kt` being its Kt.
 #[cold]
 #[inline(never)]
 pub(super) fn shadow_share(
+    world: &World<'_>,
     finish: &Finish,
+    (hit, ray): (&Hit, &Ray),
     at: &SurfacePoint<'_>,
-    dir: DVec3,
-    distance: f64,
     kt: Color,
 ) -> Color {
     let mut share = kt;
-    let cosine = dir.dot(at.shading_normal).abs();
-    if let Some(metal) = &finish.conductor {
-        share *= Color::ONE - fresnel_metal(cosine, metal.eta, metal.k);
+    let cosine = ray.dir.dot(at.shading_normal).abs();
+    if let Some([eta, k]) = metal(world, finish, at) {
+        share *= Color::ONE - fresnel_metal(cosine, eta, k);
     } else if finish.fresnel {
         // As the ray goes straight on, it leaves at the angle at which it came.
-        share *= 1.0 - fresnel_dielectric(cosine, at.material.ior);
+        share *= 1.0 - fresnel_dielectric(cosine, index(world, finish, at));
     }
     if let Some(absorption) = finish.absorption.as_ref().filter(|_| !at.from_front) {
-        share *= left_of(absorption, distance);
+        share *= absorbed(world, absorption, (hit.number, ray), Some(at), hit.t, 0.5);
     }
     share
+}
+
+/// A layer of varnish, its terms looked up.
+#[derive(Clone, Copy, Debug)]
+struct Varnish {
+    strength: f64,
+    rough: Option<Ggx>,
 }
 
 /// A point of a surface with a finish, all its terms looked up.
@@ -126,14 +210,18 @@ pub(super) struct Polished<'s> {
     frame: [DVec3; 3],
     geometric_normal: DVec3,
     to_eye: DVec3,
-    /// Whether it is seen from outside, as what is opaque always is.
-    from_outside: bool,
     diffuse: Color,
     specular: Color,
     exponent: Exponent,
     mirror: Color,
     transmission: Color,
     rough: Option<Ggx>,
+    /// Index of refraction and absorption coefficient of a metal.
+    metal: Option<[Color; 2]>,
+    /// Roughness of Kd in degrees.
+    sigma: f64,
+    /// What is on top, as seen from outside.
+    varnish: Option<Varnish>,
     /// Index of refraction behind the surface over that before it.
     eta: f64,
     /// The ray's light has one wavelength from here on, and this color.
@@ -167,18 +255,20 @@ impl<'s> Polished<'s> {
             None => specular,
         };
         let transmission = term(&material.transmission);
-        let (mut ior, mut wavelength) = (material.ior, None);
-        if let Some(abbe) = finish.dispersion
+        let (mut ior, mut wavelength) = (index(world, finish, at), None);
+        if let Some(abbe) = &finish.dispersion
             && transmission != Color::ZERO
         {
+            let abbe = number(world, abbe, at, Finish::ABBE);
             let (nm, color) = spectrum::wavelength(path.of_sample(WAVELENGTH));
             ior = spectrum::index_at(ior, spectrum::cauchy_b(ior, abbe), nm).max(1e-3);
             wavelength = (!inside.is_colored()).then_some(color);
         }
+        // What is opaque is always seen from outside.
         let from_outside = at.from_front || transmission == Color::ZERO;
         let behind = if at.from_front {
             let absorbs = finish.absorption.is_some();
-            inside.entered(absorbs.then(|| world.material_id(hit.number)).flatten())
+            inside.entered(absorbs.then_some(hit.number))
         } else {
             inside.left()
         };
@@ -189,16 +279,30 @@ impl<'s> Polished<'s> {
             frame: [t, b, n],
             geometric_normal: at.geometric_normal,
             to_eye: -ray.dir,
-            from_outside,
             diffuse: term(&material.diffuse),
             specular,
-            exponent: Exponent::new(material.shininess),
+            exponent: Exponent::new(finish.shininess.as_ref().map_or(material.shininess, |shininess| {
+                number(world, shininess, at, [0.0, f64::INFINITY])
+            })),
             mirror,
             transmission,
             rough: finish
                 .roughness
                 .as_ref()
                 .and_then(|roughness| Ggx::new(finish_mean(term(roughness)))),
+            metal: metal(world, finish, at),
+            sigma: finish
+                .oren_nayar
+                .as_ref()
+                .map_or(0.0, |sigma| number(world, sigma, at, Finish::SIGMA)),
+            varnish: finish
+                .clear_coat
+                .as_ref()
+                .filter(|_| from_outside)
+                .map(|coat| Varnish {
+                    strength: number(world, &coat.strength, at, Finish::SHARE),
+                    rough: Ggx::new(number(world, &coat.roughness, at, Finish::SHARE)),
+                }),
             eta: if from_outside { ior } else { 1.0 / ior },
             wavelength,
             inside,
@@ -227,8 +331,8 @@ impl<'s> Polished<'s> {
 
     /// The share that goes to the mirror, and the share that goes in.
     fn shares(&self, cosine: f64) -> (Color, Color) {
-        if let Some(metal) = &self.finish.conductor {
-            let mirrored = fresnel_metal(cosine, metal.eta, metal.k);
+        if let Some([eta, k]) = self.metal {
+            let mirrored = fresnel_metal(cosine, eta, k);
             return (mirrored, Color::ONE - mirrored);
         }
         if self.finish.fresnel {
@@ -240,8 +344,8 @@ impl<'s> Polished<'s> {
 
     /// The share that the varnish mirrors.
     fn coat(&self, cosine: f64) -> f64 {
-        let coat = self.finish.clear_coat.filter(|_| self.from_outside);
-        coat.map_or(0.0, |coat| coat.strength * fresnel_dielectric(cosine, COAT))
+        let varnish = self.varnish.as_ref();
+        varnish.map_or(0.0, |varnish| varnish.strength * fresnel_dielectric(cosine, COAT))
     }
 
     /// The color of light from the unit vector `to_light` that leaves towards the eye.
@@ -256,7 +360,7 @@ impl<'s> Polished<'s> {
         let cosine = eye.dot(half);
         // What goes in at the eye's angle is what may come out there.
         let (_, inward) = self.shares(eye.z);
-        let sigma = self.finish.oren_nayar.to_radians();
+        let sigma = self.sigma.to_radians();
         let mut sum = self.diffuse * inward * oren_nayar(sigma, eye, light);
         let (mirrored, _) = self.shares(cosine);
         match &self.rough {
@@ -266,9 +370,9 @@ impl<'s> Polished<'s> {
             }
             None => {}
         }
-        if let Some(coat) = self.finish.clear_coat.filter(|_| self.from_outside) {
+        if let Some(varnish) = &self.varnish {
             sum *= 1.0 - self.coat(eye.z);
-            if let Some(rough) = Ggx::new(coat.roughness) {
+            if let Some(rough) = varnish.rough {
                 sum += Color::splat(self.coat(cosine) * rough.highlight(eye, light));
             }
         }
@@ -356,8 +460,8 @@ impl<'s> Polished<'s> {
             }
         }
         let (mut dir, mut share) = (dir, kr);
-        if let Some(coat) = self.finish.clear_coat.filter(|_| self.from_outside) {
-            let rough = Ggx::new(coat.roughness);
+        if let Some(varnish) = &self.varnish {
+            let rough = varnish.rough;
             let h = rough.map_or(DVec3::Z, |rough| rough.visible(eye, pair(COATED)));
             let (coat_dir, left) = self.mirrored(eye, h, rough.as_ref());
             let own = self.coat(eye.dot(h).max(0.0)) * left;
@@ -443,12 +547,15 @@ fn relieve<'s>(world: &World<'s>, finish: &Finish, hit: &Hit, ray: &Ray, at: &mu
             };
             let [x, y, z] = (texel * 2.0 - Color::ONE).to_array();
             let (u, v) = (along_u / along_u.length(), along_v / along_v.length());
-            normal = (u * x + v * y) * (map.strength * side) + n * z.max(1e-3);
+            let strength = Term::number_of(world.term(&map.strength, at));
+            normal = (u * x + v * y) * (strength * side) + n * z.max(1e-3);
             normal /= normal.length();
         }
     }
     if let Some(bump) = &finish.bump {
-        let height = |at: &SurfacePoint<'_>| color::luminance(world.term(&bump.texture, at)) * bump.height;
+        let height = |at: &SurfacePoint<'_>| {
+            color::luminance(world.term(&bump.texture, at)) * Term::number_of(world.term(&bump.height, at))
+        };
         let slope_t = (height(&t1) - height(&t0)) * along_t / (2.0 * step);
         let slope_b = (height(&b1) - height(&b0)) * along_b / (2.0 * step);
         normal -= (t * slope_t + b * slope_b) * side;

@@ -1,18 +1,15 @@
 //! What a surface may do beyond the shading equation: Fresnel's laws, metals, roughness, coats, colored glass, relief.
 
-use super::{
-    Material, SceneError, Term, TextureId,
-    literal::{Components, Number, Vector},
-};
-use crate::{color::Color, math::DVec3};
+use super::{Material, SceneError, Term, TextureId};
+use crate::color::Color;
 
 /// A metal's optical constants in red, green and blue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conductor {
-    /// Index of refraction.
-    pub eta: Color,
-    /// Absorption coefficient.
-    pub k: Color,
+    /// Index of refraction, 0.001 to 100.
+    pub eta: Term,
+    /// Absorption coefficient, 0 to 100.
+    pub k: Term,
 }
 
 impl Conductor {
@@ -23,29 +20,29 @@ impl Conductor {
         (
             "aluminium",
             Self {
-                eta: Color::new(1.657_459_9, 0.880_368_9, 0.521_228_7),
-                k: Color::new(9.223_869_2, 6.269_523_2, 4.837_001_2),
+                eta: Term::color(Color::new(1.657_459_9, 0.880_368_9, 0.521_228_7)),
+                k: Term::color(Color::new(9.223_869_2, 6.269_523_2, 4.837_001_2)),
             },
         ),
         (
             "copper",
             Self {
-                eta: Color::new(0.200_437_7, 0.924_033_4, 1.102_212),
-                k: Color::new(3.912_948_5, 2.452_847_7, 2.142_188),
+                eta: Term::color(Color::new(0.200_437_7, 0.924_033_4, 1.102_212)),
+                k: Term::color(Color::new(3.912_948_5, 2.452_847_7, 2.142_188)),
             },
         ),
         (
             "gold",
             Self {
-                eta: Color::new(0.143_119, 0.374_957, 1.442_478_6),
-                k: Color::new(3.983_160_4, 2.385_720_7, 1.603_215_3),
+                eta: Term::color(Color::new(0.143_119, 0.374_957, 1.442_478_6)),
+                k: Term::color(Color::new(3.983_160_4, 2.385_720_7, 1.603_215_3)),
             },
         ),
         (
             "silver",
             Self {
-                eta: Color::new(0.155_264_6, 0.116_723_3, 0.138_380_7),
-                k: Color::new(4.828_343_3, 3.122_245_9, 2.147_050_4),
+                eta: Term::color(Color::new(0.155_264_6, 0.116_723_3, 0.138_380_7)),
+                k: Term::color(Color::new(4.828_343_3, 3.122_245_9, 2.147_050_4)),
             },
         ),
     ];
@@ -54,19 +51,23 @@ impl Conductor {
 /// A layer of clear varnish with index 1.5 on top of everything else.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClearCoat {
-    /// How much of it there is, 0 to 1.
-    pub strength: f64,
-    /// Its roughness, 0 to 1.
-    pub roughness: f64,
+    /// How much of it there is, 0 to 1, a [number](Term::number).
+    pub strength: Term,
+    /// Its roughness, 0 to 1, a [number](Term::number).
+    pub roughness: Term,
 }
 
 /// What is left of light on its way through the inside (Beer's law).
+///
+/// A texture in it varies inside of the solid, as veins in glass do: it is looked up at places spread over the ray's way, in the
+/// space of the shape. What a texture says by texture coordinates, which the inside has none of, counts as where the light came
+/// in: where the ray that looks for it leaves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Absorption {
     /// The share that is left after `distance`, greater than 0 and at most 1 in each channel.
-    pub color: Color,
-    /// In world units, greater than 0.
-    pub distance: f64,
+    pub color: Term,
+    /// In world units, greater than 0, a [number](Term::number).
+    pub distance: Term,
 }
 
 /// Relief by a texture.
@@ -74,8 +75,8 @@ pub struct Absorption {
 pub struct Bump {
     /// Its brightness is the height.
     pub texture: Term,
-    /// How high white is above black, in the shape's own units; negative for hollows.
-    pub height: f64,
+    /// How high white is above black, in the shape's own units; negative for hollows. A [number](Term::number).
+    pub height: Term,
 }
 
 /// Relief by a picture of normals.
@@ -83,12 +84,14 @@ pub struct Bump {
 pub struct NormalMap {
     /// The picture: red is to the right (along u), green up (along v), blue out of the surface, 0.5 being none.
     pub texture: TextureId,
-    /// 1 as the picture says, 0 flat.
-    pub strength: f64,
+    /// 1 as the picture says, 0 flat. A [number](Term::number).
+    pub strength: Term,
 }
 
 /// What a surface does beyond the shading equation of [`Material`]. Rays are distributed: each camera sample follows one of the
 /// directions that a rough surface scatters to, so that samples(n) decides about the noise.
+///
+/// Every term may have a texture. What it gives beyond the range of its term counts as the nearest that is within.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Finish {
     /// Mirror and transparency share the light by Fresnel's equations for `ior`. Where neither Kr nor Ks is given, Kr is white.
@@ -98,18 +101,23 @@ pub struct Finish {
     /// Roughness of mirror and transparency from 0 to 1, the mean of the term's channels; highlights then are those of the
     /// mirror with weight Kr. `None` is smooth.
     pub roughness: Option<Term>,
-    /// Roughness of Kd: standard deviation of the slopes in degrees, 0 (Lambert) to 90.
-    pub oren_nayar: f64,
+    /// Roughness of Kd: standard deviation of the slopes in degrees, 0 to 90, a [number](Term::number). `None` is Lambert.
+    pub oren_nayar: Option<Term>,
     /// A layer of varnish.
     pub clear_coat: Option<ClearCoat>,
     /// What the inside takes from light.
     pub absorption: Option<Absorption>,
-    /// Abbe number of the inside, whose `ior` is that of yellow light: the smaller, the more colors are bent apart.
-    pub dispersion: Option<f64>,
+    /// Abbe number of the inside, whose `ior` is that of yellow light: the smaller, the more colors are bent apart. At least 1, a
+    /// [number](Term::number).
+    pub dispersion: Option<Term>,
     /// Relief by a texture.
     pub bump: Option<Bump>,
     /// Relief by a picture of normals.
     pub normal_map: Option<NormalMap>,
+    /// In place of [`Material::shininess`] where it varies, a [number](Term::number).
+    pub shininess: Option<Term>,
+    /// In place of [`Material::ior`] where it varies, a [number](Term::number) of at least 0.001.
+    pub ior: Option<Term>,
 }
 
 impl Finish {
@@ -118,60 +126,78 @@ impl Finish {
     /// # Errors
     /// Where a number is out of the range that its field names.
     pub fn check(&self) -> Result<(), SceneError> {
-        let within = |name: &str, x: f64, least: f64, most: f64| {
-            if (least..=most).contains(&x) {
-                return Ok(());
+        // What a texture gives is brought into its range where it is looked up.
+        let channels = |name: &str, term: &Term, [least, most]: [f64; 2]| {
+            let given = term.color.to_array();
+            match given.into_iter().find(|x| !(least..=most).contains(x)) {
+                Some(x) if term.texture.is_none() => Err(SceneError::new(format!(
+                    "{name} must lie between {least} and {most}, not {x}"
+                ))),
+                _ => Ok(()),
             }
-            Err(SceneError::new(format!(
-                "{name} must lie between {least} and {most}, not {x}"
-            )))
         };
-        within("sigma", self.oren_nayar, 0.0, 90.0)?;
-        if let Some(Conductor { eta, k }) = self.conductor {
-            for (name, v, least) in [("eta", eta, 1e-3), ("k", k, 0.0)] {
-                for x in v.to_array() {
-                    within(name, x, least, 100.0)?;
-                }
-            }
+        let number = |name: &str, term: &Term, range| {
+            let value = Term::number(Term::number_of(term.color));
+            channels(
+                name,
+                &Term {
+                    color: value.color,
+                    ..*term
+                },
+                range,
+            )
+        };
+        if let Some(sigma) = &self.oren_nayar {
+            number("sigma", sigma, Self::SIGMA)?;
         }
-        if let Some(ClearCoat { strength, roughness }) = self.clear_coat {
-            within("strength", strength, 0.0, 1.0)?;
-            within("roughness", roughness, 0.0, 1.0)?;
+        if let Some(Conductor { eta, k }) = &self.conductor {
+            channels("eta", eta, Self::ETA)?;
+            channels("k", k, Self::K)?;
         }
-        if let Some(roughness) = self.roughness.filter(|r| r.texture.is_none()) {
-            within("roughness", mean(roughness.color), 0.0, 1.0)?;
+        if let Some(ClearCoat { strength, roughness }) = &self.clear_coat {
+            number("strength", strength, Self::SHARE)?;
+            number("roughness", roughness, Self::SHARE)?;
         }
-        if let Some(Absorption { color, distance }) = self.absorption {
-            for x in color.to_array() {
-                within("color", x, 1e-9, 1.0)?;
-            }
-            within("distance", distance, 1e-9, 1e15)?;
+        if let Some(roughness) = &self.roughness {
+            number("roughness", roughness, Self::SHARE)?;
         }
-        if let Some(abbe) = self.dispersion {
-            within("abbe", abbe, 1.0, 1e6)?;
+        if let Some(Absorption { color, distance }) = &self.absorption {
+            channels("color", color, Self::LEFT)?;
+            number("distance", distance, Self::DISTANCE)?;
+        }
+        if let Some(abbe) = &self.dispersion {
+            number("abbe", abbe, Self::ABBE)?;
         }
         if let Some(bump) = &self.bump {
-            within("height", bump.height, -1e6, 1e6)?;
+            number("height", &bump.height, [-1e6, 1e6])?;
         }
         if let Some(map) = &self.normal_map {
-            within("strength", map.strength, -10.0, 10.0)?;
+            number("strength", &map.strength, [-10.0, 10.0])?;
+        }
+        if let Some(shininess) = &self.shininess {
+            number("s", shininess, [0.0, f64::INFINITY])?;
+        }
+        if let Some(ior) = &self.ior {
+            number("n", ior, Self::INDEX)?;
         }
         Ok(())
     }
 
-    /// The textures of its terms, in the order of their names.
-    pub(crate) fn textures(&self) -> [Option<TextureId>; 3] {
-        [
-            self.bump.and_then(|bump| bump.texture.texture),
-            self.normal_map.map(|map| map.texture),
-            self.roughness.and_then(|roughness| roughness.texture),
-        ]
-    }
+    pub(crate) const SIGMA: [f64; 2] = [0.0, 90.0];
+    pub(crate) const ETA: [f64; 2] = [1e-3, 100.0];
+    pub(crate) const K: [f64; 2] = [0.0, 100.0];
+    pub(crate) const SHARE: [f64; 2] = [0.0, 1.0];
+    pub(crate) const LEFT: [f64; 2] = [1e-9, 1.0];
+    pub(crate) const DISTANCE: [f64; 2] = [1e-9, 1e15];
+    pub(crate) const ABBE: [f64; 2] = [1.0, 1e6];
+    pub(crate) const INDEX: [f64; 2] = [1e-3, 1e6];
 
-    /// What is set, as the keys of `material(#{ })` have it.
-    pub(crate) fn options(&self, texture: &dyn Fn(TextureId) -> String) -> Vec<(&'static str, String)> {
+    /// The textures of its terms, with the keys of `material(#{ })` that they belong to; those of one key in the order in which it
+    /// takes them.
+    pub(crate) fn textures(&self) -> [(&'static str, Option<TextureId>); 15] {
+        let of = |term: Option<Term>| term.and_then(|term| term.texture);
         let Self {
-            fresnel,
+            fresnel: _,
             conductor,
             roughness,
             oren_nayar,
@@ -180,89 +206,26 @@ impl Finish {
             dispersion,
             bump,
             normal_map,
-        } = self;
-        let term = |t: &Term| match t.texture {
-            None => Vector(t.color).to_string(),
-            Some(id) if t.color == Color::ONE => texture(id),
-            Some(id) => format!("{} * vec3({})", texture(id), Components(t.color)),
-        };
-        let mut set = Vec::new();
-        if let Some(Absorption { color, distance }) = absorption {
-            let (color, distance) = (Vector(*color), Number(*distance));
-            set.push((
-                "absorption",
-                format!("#{{ color: {color}, distance: {distance} }}"),
-            ));
-        }
-        if let Some(Bump { texture, height }) = bump {
-            let (texture, height) = (term(texture), Number(*height));
-            set.push(("bump", format!("#{{ texture: {texture}, height: {height} }}")));
-        }
-        if let Some(ClearCoat { strength, roughness }) = clear_coat {
-            let (strength, roughness) = (Number(*strength), Number(*roughness));
-            set.push((
-                "clearCoat",
-                format!("#{{ strength: {strength}, roughness: {roughness} }}"),
-            ));
-        }
-        if let Some(Conductor { eta, k }) = conductor {
-            set.push((
-                "conductor",
-                format!("#{{ eta: {}, k: {} }}", Vector(*eta), Vector(*k)),
-            ));
-        }
-        if let Some(abbe) = dispersion {
-            set.push(("dispersion", Number(*abbe).to_string()));
-        }
-        if *fresnel {
-            set.push(("fresnel", "true".to_owned()));
-        }
-        if let Some(NormalMap {
-            texture: id,
-            strength,
-        }) = normal_map
-        {
-            let (image, strength) = (texture(*id), Number(*strength));
-            set.push((
-                "normalMap",
-                format!("#{{ image: {image}, strength: {strength} }}"),
-            ));
-        }
-        if *oren_nayar != 0.0 {
-            set.push(("orenNayar", Number(*oren_nayar).to_string()));
-        }
-        if let Some(roughness) = roughness {
-            set.push(("roughness", term(roughness)));
-        }
-        set
-    }
-
-    /// As [`Finish::text`] with what is not set, so that nothing is left of a finish before.
-    pub(crate) fn whole_text(&self, texture: &dyn Fn(TextureId) -> String) -> String {
-        let set = self.options(texture);
-        let keys = [
-            ("absorption", "()"),
-            ("bump", "()"),
-            ("clearCoat", "()"),
-            ("conductor", "()"),
-            ("dispersion", "()"),
-            ("fresnel", "false"),
-            ("normalMap", "()"),
-            ("orenNayar", "0"),
-            ("roughness", "()"),
-        ];
-        let whole = keys.map(|(key, none)| {
-            let found = set.iter().find(|(name, _)| *name == key);
-            format!("{key}: {}", found.map_or(none, |(_, text)| text))
-        });
-        whole.join(", ")
-    }
-
-    /// [`Finish::options`] in one line.
-    pub(crate) fn text(&self, texture: &dyn Fn(TextureId) -> String) -> String {
-        let options = self.options(texture).into_iter();
-        let options: Vec<String> = options.map(|(key, value)| format!("{key}: {value}")).collect();
-        options.join(", ")
+            shininess,
+            ior,
+        } = *self;
+        [
+            ("absorption", of(absorption.map(|absorption| absorption.color))),
+            ("absorption", of(absorption.map(|absorption| absorption.distance))),
+            ("bump", of(bump.map(|bump| bump.texture))),
+            ("bump", of(bump.map(|bump| bump.height))),
+            ("clearCoat", of(clear_coat.map(|coat| coat.strength))),
+            ("clearCoat", of(clear_coat.map(|coat| coat.roughness))),
+            ("conductor", of(conductor.map(|metal| metal.eta))),
+            ("conductor", of(conductor.map(|metal| metal.k))),
+            ("dispersion", of(dispersion)),
+            ("ior", of(ior)),
+            ("normalMap", normal_map.map(|map| map.texture)),
+            ("normalMap", of(normal_map.map(|map| map.strength))),
+            ("orenNayar", of(oren_nayar)),
+            ("roughness", of(roughness)),
+            ("shininess", of(shininess)),
+        ]
     }
 }
 
@@ -278,10 +241,46 @@ impl Material {
         self.finish = (finish != Finish::default()).then(|| std::sync::Arc::new(finish));
         Ok(())
     }
+
+    /// The exponent of the highlight: a number as [`Material::shininess`], or a texture as [`Finish::shininess`].
+    ///
+    /// # Errors
+    /// Where the number is negative.
+    pub fn set_shininess(&mut self, shininess: impl Into<Term>) -> Result<(), SceneError> {
+        let (number, varying) = number_or_texture(shininess.into(), Self::default().shininess);
+        if !(number >= 0.0) {
+            return Err(SceneError::new(format!("s must be 0 or greater, not {number}")));
+        }
+        self.change_finish(|finish| finish.shininess = varying)?;
+        self.shininess = number;
+        Ok(())
+    }
+
+    /// The index of refraction: a number as [`Material::ior`], or a texture as [`Finish::ior`].
+    ///
+    /// # Errors
+    /// Where the number is not greater than 0.
+    pub fn set_ior(&mut self, ior: impl Into<Term>) -> Result<(), SceneError> {
+        let (number, varying) = number_or_texture(ior.into(), Self::default().ior);
+        if !(number > 0.0) {
+            return Err(SceneError::new(format!("n must be greater than 0, not {number}")));
+        }
+        self.change_finish(|finish| finish.ior = varying)?;
+        self.ior = number;
+        Ok(())
+    }
+}
+
+/// The number that a term is everywhere, or `usual` and the term itself.
+fn number_or_texture(term: Term, usual: f64) -> (f64, Option<Term>) {
+    match term.texture {
+        None => (Term::number_of(term.color), None),
+        Some(_) => (usual, Some(term)),
+    }
 }
 
 /// The mean of three channels.
-pub(crate) fn mean(c: DVec3) -> f64 {
+pub(crate) fn mean(c: Color) -> f64 {
     (c.x + c.y + c.z) / 3.0
 }
 
@@ -306,11 +305,16 @@ mod tests {
             assert_eq!(m, Material::default());
             message
         };
-        let glass = |color, distance| Some(Absorption { color, distance });
-        assert!(refused(&|f| f.oren_nayar = 91.0).starts_with("sigma"));
+        let glass = |color, distance| {
+            Some(Absorption {
+                color: Term::color(color),
+                distance: Term::number(distance),
+            })
+        };
+        assert!(refused(&|f| f.oren_nayar = Some(91.0.into())).starts_with("sigma"));
         assert!(refused(&|f| f.absorption = glass(Color::ZERO, 1.0)).starts_with("color"));
         assert!(refused(&|f| f.absorption = glass(Color::ONE, 0.0)).starts_with("distance"));
-        assert!(refused(&|f| f.dispersion = Some(f64::NAN)).starts_with("abbe"));
+        assert!(refused(&|f| f.dispersion = Some(f64::NAN.into())).starts_with("abbe"));
         assert!(refused(&|f| f.roughness = Some(Term::color(Color::splat(2.0)))).starts_with("roughness"));
     }
 }

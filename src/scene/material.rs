@@ -35,10 +35,34 @@ impl Term {
         }
     }
 
+    /// The same number in each channel: for the terms that are numbers, such as roughness. Of what has other channels these take
+    /// the mean.
+    #[must_use]
+    pub const fn number(x: f64) -> Self {
+        Self::color(Color::splat(x))
+    }
+
+    /// The number that a value of the term stands for.
+    pub(crate) fn number_of(value: Color) -> f64 {
+        // The mean of three equal numbers may differ from them by its rounding.
+        if value == Color::splat(value.x) {
+            value.x
+        } else {
+            super::finish_mean(value)
+        }
+    }
+
     /// True where the term adds nothing anywhere.
     #[must_use]
     pub fn is_black(&self) -> bool {
         self.color == Color::ZERO
+    }
+}
+
+impl From<f64> for Term {
+    /// [`Term::number`].
+    fn from(x: f64) -> Self {
+        Self::number(x)
     }
 }
 

@@ -17,6 +17,7 @@ mod edition;
 mod error;
 mod extract;
 mod finish;
+mod finish_text;
 mod hash;
 mod light;
 pub(crate) mod literal;
@@ -43,6 +44,7 @@ pub use edition::Edition;
 pub use error::SceneError;
 pub(crate) use finish::mean as finish_mean;
 pub use finish::{Absorption, Bump, ClearCoat, Conductor, Finish, NormalMap};
+pub(crate) use finish_text::number_text;
 pub(crate) use light::around;
 pub use light::{
     Attenuation, Falloff, Light, LightForm, LightKind, LightMesh, Links, Projector, Spot, Sun, SurfaceLight,

@@ -158,6 +158,8 @@ pub enum Kind {
     Term,
     /// A number or a vector.
     NumberOrVec3,
+    /// A number or a texture.
+    NumberOrTexture,
     /// A string.
     String,
     /// An array.
@@ -186,13 +188,14 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds, in the order of the reference.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::Number,
         Self::Int,
         Self::Vec3,
         Self::Color,
         Self::Term,
         Self::NumberOrVec3,
+        Self::NumberOrTexture,
         Self::String,
         Self::Array,
         Self::List,
@@ -223,6 +226,7 @@ impl Kind {
             Self::Color => "color",
             Self::Term => "color | texture",
             Self::NumberOrVec3 => "number | vec3",
+            Self::NumberOrTexture => "number | texture",
             Self::String => "string",
             Self::Array => "array",
             Self::List => "array | blob",
@@ -253,6 +257,9 @@ impl Kind {
             }
             Self::Term => "A color, or a texture: what checker(a, b, size) or image(file) returns.",
             Self::NumberOrVec3 => "One number for all three components, or a vector.",
+            Self::NumberOrTexture => {
+                "A number, or a texture for one that varies: the mean of red, green and blue."
+            }
             Self::String => "Text in double quotes.",
             Self::Array => "A list in brackets, such as [1, 2, 3].",
             Self::List => "A list in brackets, or a blob of floats as write_le writes them.",

@@ -105,6 +105,7 @@ fn type_name(kind: Kind) -> &'static str {
         Kind::Color
         | Kind::Term
         | Kind::NumberOrVec3
+        | Kind::NumberOrTexture
         | Kind::List
         | Kind::Field
         | Kind::Block

@@ -125,6 +125,19 @@ pub(crate) struct Hit {
     pub(super) part: u32,
 }
 
+impl Hit {
+    /// Some point of the primitive with this number.
+    pub(super) fn of(number: u64) -> Self {
+        Self {
+            t: 0.0,
+            number,
+            u: 0.0,
+            v: 0.0,
+            part: 0,
+        }
+    }
+}
+
 /// What stands between a point and a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Blocker {

@@ -86,6 +86,15 @@ impl<'s> World<'s> {
         self.surface_at::<true>(hit, ray, at.position + offset)
     }
 
+    /// A place near the primitive with this number, such as one inside of the solid that it belongs to, as its textures see it.
+    /// Texture coordinates there are those of some point of the primitive.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn place_near(&self, number: u64, ray: &Ray, position: DVec3) -> Option<TexturePoint> {
+        let near = self.surface_at::<true>(&Hit::of(number), ray, position)?;
+        Some(near.texture_point())
+    }
+
     /// Tells textures how wide a pixel is at a hit: `width` across the ray, which the slant of the surface stretches (the cones
     /// of Amanatides, "Ray tracing with cones", SIGGRAPH 1984).
     #[cold]
@@ -416,14 +425,20 @@ impl<'s> World<'s> {
             .any(|term| term.texture.is_some())
                 || m.finish
                     .as_ref()
-                    .is_some_and(|finish| finish.textures().iter().any(Option::is_some))
+                    .is_some_and(|finish| finish.textures().iter().any(|(_, texture)| texture.is_some()))
         })
     }
 
     /// The value of a material's term at a point.
     pub(crate) fn term(&self, term: &Term, at: &SurfacePoint<'_>) -> DVec3 {
+        self.term_at(term, || at.texture_point())
+    }
+
+    /// As [`World::term`] for any place.
+    #[inline(always)]
+    pub(crate) fn term_at(&self, term: &Term, at: impl FnOnce() -> TexturePoint) -> DVec3 {
         match term.texture.and_then(|id| self.scene.textures.get(id.index())) {
-            Some(texture) => term.color * texture.lookup(&at.texture_point()),
+            Some(texture) => term.color * texture.lookup(&at()),
             None => term.color,
         }
     }

@@ -73,7 +73,7 @@ impl World<'_> {
             };
             let mut transmission = self.term(&surface.material.transmission, &surface);
             if let Some(finish) = &surface.material.finish {
-                transmission = shadow_share(finish, &surface, dir, hit.t, transmission);
+                transmission = shadow_share(self, finish, (&hit, &probe.ray), &surface, transmission);
             }
             met(hit.number, transmission);
             share *= transmission;

@@ -23,9 +23,10 @@ pub(in crate::scene) use self::{
     order::{names, own_lights},
 };
 use super::{
-    Attenuation, CsgOp, Encoding, Geometry, Group, GroupId, ImageTexture, LightKind, Links, Material,
-    MaterialId, MeshId, Object, ROOT_GROUP, Sampling, Scene, Texels, Texture, TextureId, TransformId,
+    Attenuation, CsgOp, Encoding, Finish, Geometry, Group, GroupId, ImageTexture, LightKind, Links, Material,
+    MaterialId, MeshId, Object, ROOT_GROUP, Sampling, Scene, Term, Texels, Texture, TextureId, TransformId,
     literal::{Components, Number, Text, Vector},
+    number_text,
 };
 use crate::diag::SourceLoc;
 
@@ -378,7 +379,7 @@ impl Writer<'_> {
             return Ok(());
         };
         self.material = Some(object.material);
-        let new: Vec<usize> = terms(material).flatten().map(|id| id.index()).collect();
+        let new: Vec<usize> = terms(material).into_iter().map(|id| id.index()).collect();
         let mut numbers = self.next_texture;
         for i in new.iter().copied().filter(|i| *i >= self.next_texture) {
             numbers += usize::from(i == numbers);
@@ -403,6 +404,12 @@ impl Writer<'_> {
         let own = reflectance.as_ref().map_or_else(String::new, |own| {
             format!(", reflectance: {}", Text(&own.identity()))
         });
+        let varying = |of: fn(&Finish) -> Option<Term>, number: f64| {
+            let term = finish.as_deref().and_then(of).unwrap_or(Term::number(number));
+            number_text(&term, &|id| format!("texture_{}", id.0))
+        };
+        let shininess = varying(|finish| finish.shininess, *shininess);
+        let ior = varying(|finish| finish.ior, *ior);
         let finish = if self.has_finishes {
             // What a material does not have must be taken away from the one before.
             let finish = finish.as_deref().cloned().unwrap_or_default();
@@ -412,15 +419,13 @@ impl Writer<'_> {
         };
         let reflection = reflection.map_or("()".to_owned(), |term| Said(term).to_string());
         self.call(format_args!(
-            "material(#{{ ambient: {}, emission: {}, diffuse: {}, specular: {}, shininess: {}, \
-             reflection: {reflection}, transmission: {}, ior: {}{own}{finish} }});",
+            "material(#{{ ambient: {}, emission: {}, diffuse: {}, specular: {}, shininess: {shininess}, \
+             reflection: {reflection}, transmission: {}, ior: {ior}{own}{finish} }});",
             Said(*ambient),
             Said(*emission),
             Said(*diffuse),
             Said(*specular),
-            Number(*shininess),
-            Said(*transmission),
-            Number(*ior)
+            Said(*transmission)
         ))
     }
 
@@ -497,13 +502,7 @@ impl Writer<'_> {
             .into_iter()
             .flat_map(|mesh| &mesh.face_materials);
         for id in faces {
-            for texture in scene
-                .materials
-                .get(id.index())
-                .into_iter()
-                .flat_map(terms)
-                .flatten()
-            {
+            for texture in scene.materials.get(id.index()).into_iter().flat_map(terms) {
                 self.next_texture = self.next_texture.max(texture.index() + 1);
             }
         }

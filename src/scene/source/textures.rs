@@ -14,13 +14,7 @@ pub(super) fn is_named(scene: &Scene) -> Vec<bool> {
                 continue;
             };
             *known = true;
-            for texture in scene
-                .materials
-                .get(id.index())
-                .into_iter()
-                .flat_map(terms)
-                .flatten()
-            {
+            for texture in scene.materials.get(id.index()).into_iter().flat_map(terms) {
                 if let Some(used) = is_used.get_mut(texture.index()) {
                     *used = true;
                 }
@@ -47,23 +41,21 @@ pub(super) fn is_named(scene: &Scene) -> Vec<bool> {
     both.map(|(by_object, by_face)| by_object || !by_face).collect()
 }
 
-/// Textures of a material in the order in which `material(#{ })` looks at its terms.
-pub(super) fn terms(material: &Material) -> impl Iterator<Item = Option<TextureId>> + use<> {
-    let [bump, normal_map, roughness] = material
-        .finish
-        .as_ref()
-        .map_or([None; 3], |finish| finish.textures());
+/// Textures of a material in the order in which `material(#{ })` looks at its terms: that of their keys.
+pub(super) fn terms(material: &Material) -> Vec<TextureId> {
     let of = |term: Term| term.texture;
-    [
-        of(material.ambient),
-        bump,
-        of(material.diffuse),
-        of(material.emission),
-        normal_map,
-        material.reflection.and_then(of),
-        roughness,
-        of(material.specular),
-        of(material.transmission),
-    ]
-    .into_iter()
+    let mut all = vec![
+        ("ambient", of(material.ambient)),
+        ("diffuse", of(material.diffuse)),
+        ("emission", of(material.emission)),
+        ("reflection", material.reflection.and_then(of)),
+        ("specular", of(material.specular)),
+        ("transmission", of(material.transmission)),
+    ];
+    if let Some(finish) = &material.finish {
+        all.extend(finish.textures());
+    }
+    // Those of one key stay in their order.
+    all.sort_by_key(|(key, _)| *key);
+    all.into_iter().filter_map(|(_, texture)| texture).collect()
 }

@@ -177,11 +177,14 @@ fn assign(form: &[Param], shapes: &[Shape], complete: bool, at: usize, chosen: &
 fn fits(kind: Kind, shape: Shape) -> bool {
     match shape {
         Shape::Other => true,
-        Shape::Number => matches!(kind, Kind::Number | Kind::Int | Kind::NumberOrVec3 | Kind::Any),
+        Shape::Number => matches!(
+            kind,
+            Kind::Number | Kind::Int | Kind::NumberOrVec3 | Kind::NumberOrTexture | Kind::Any
+        ),
         Shape::Text => matches!(kind, Kind::String | Kind::Color | Kind::Term | Kind::Any),
         Shape::Array => !matches!(
             kind,
-            Kind::Number | Kind::Int | Kind::String | Kind::Map | Kind::Image
+            Kind::Number | Kind::Int | Kind::NumberOrTexture | Kind::String | Kind::Map | Kind::Image
         ),
         Shape::Map => matches!(kind, Kind::Map | Kind::Any),
     }

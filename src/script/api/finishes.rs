@@ -3,15 +3,15 @@
 use rhai::{Dynamic, Map};
 
 use super::{
+    amount as amount_param,
     materials::{scene_term, term_value},
-    number, patterns, string, term, vec3,
+    number, patterns, string, term,
 };
 use crate::{
     color::Color,
-    math::DVec3,
-    scene::{Absorption, Bump, ClearCoat, Conductor, Finish, NormalMap, Term, finish_mean},
+    scene::{Absorption, Bump, ClearCoat, Conductor, Finish, NormalMap, Term, TextureId},
     script::{
-        call::{Call, TermValue, number_of, texture_of},
+        call::{Call, number_of, texture_of},
         session::State,
         table::{DONE, Entry, Group, Kind, Param},
         value::{Outcome, ScriptError},
@@ -51,8 +51,8 @@ pub(super) const ENTRIES: &[Entry] = &[
         .takes(&[
             &[string("metal", "aluminium, copper, gold or silver, as they were measured")],
             &[
-                vec3("eta", "none", "index of refraction in red, green and blue"),
-                vec3("k", "none", "absorption coefficient in red, green and blue"),
+                Param::new("eta", Kind::Term, "none", "index of refraction in red, green and blue"),
+                Param::new("k", Kind::Term, "none", "absorption coefficient in red, green and blue"),
             ],
         ])
         .doc("The mirror of a metal: its color by Fresnel's equations for conductors, paler at grazing angles. Where neither Kr nor Ks is given, Kr is white.")
@@ -69,15 +69,15 @@ pub(super) const ENTRIES: &[Entry] = &[
         .example(studio!("reflection(0.9, 0.9, 0.9);\nfor i in 0..3 {\n  roughness(0.1 + 0.2 * i);\n  sphere(i * 1.9 - 1.9, 0, 0, 0.9);\n}"))
         .also(&["microfacet", "ggx", "frosted", "blurry", "glossy"]),
     Entry::scene(Group::Materials, "orenNayar", oren_nayar)
-        .takes(&[&[number("sigma", "degrees", "spread of the slopes, 0 to 90; clay 20, the moon 40")]])
+        .takes(&[&[amount_param("sigma", "degrees", "spread of the slopes, 0 to 90; clay 20, the moon 40")]])
         .doc("Makes Kd that of a rough matt surface, which is flatter than Lambert's: clay, cloth, the moon. Default: 0, Lambert.")
         .usage("orenNayar(30)")
         .example("background(\"#223\");\nambient(0, 0, 0);\ndirectional([0, 0.3, 1], [1, 1, 1]);\ndiffuse(0.8, 0.7, 0.6);\nsphere(-1.2, 0, 0, 1);\norenNayar(40);\nsphere(1.2, 0, 0, 1);")
         .also(&["matte", "clay", "brilliance"]),
     Entry::scene(Group::Materials, "clearCoat", clear_coat)
         .takes(&[&[
-            number("strength", "none", "0 none to 1"),
-            number("roughness", "none", "0 to 1").or("0.1"),
+            amount_param("strength", "none", "0 none to 1"),
+            amount_param("roughness", "none", "0 to 1").or("0.1"),
         ]])
         .doc("A layer of clear varnish (index 1.5) on top: a mirror of its own by Fresnel's equations, with highlights, over whatever the surface is below. Default: 0.")
         .usage("clearCoat(1, 0.05)")
@@ -86,14 +86,14 @@ pub(super) const ENTRIES: &[Entry] = &[
     Entry::scene(Group::Materials, "absorption", absorption)
         .takes(&[&[
             term("color", "the share of light that is left after the distance; above 0, at most 1"),
-            number("distance", "world units", "greater than 0"),
+            amount_param("distance", "world units", "greater than 0"),
         ]])
-        .doc("What the inside takes from light on its way (Beer's law): thick glass is darker than thin. White for none.")
+        .doc("What the inside takes from light on its way (Beer's law): thick glass is darker than thin. White for none. A pattern runs through the inside, as veins do; a picture laid by texture coordinates colors the light where it comes in.")
         .usage("absorption(\"#5c9\", 1)")
         .example(studio!("ambient(0, 0, 0);\nfresnel(true);\ntransmission(1, 1, 1);\nabsorption(\"#3b8\", 0.8);\nfor i in 0..3 {\n  let r = 0.3 + 0.3 * i;\n  sphere(i * 1.5 - 1.7, r - 1, 0, r);\n}"))
         .also(&["beer", "fade_distance", "attenuationColor", "volumeAbsorption"]),
     Entry::scene(Group::Materials, "dispersion", dispersion)
-        .takes(&[&[number("abbe", "none", "Abbe number, 1 or greater: window glass 60, flint glass 30, diamond 55; 10 for show")]])
+        .takes(&[&[amount_param("abbe", "none", "Abbe number, 1 or greater: window glass 60, flint glass 30, diamond 55; 10 for show")]])
         .doc("Bends colors apart as glass with this Abbe number does, ior(n) being that of yellow light. Each sample that goes through has one wavelength, so this needs many samples.")
         .usage("dispersion(25)")
         .example("background(\"#e8edf2\");\nsamples(24);\nmaxDepth(8);\nambient(0, 0, 0);\ncamera([0, 0, 6], [0, 0, 0], [0, 1, 0], 40);\nfor y in [-2, 0.5] {   // black bars behind the ball\n  group { translate(0, y, -6); scale(12, 0.5, 0.1); box(); }\n}\ntransmission(1, 1, 1);\nior(1.6);\ndispersion(8);\nsphere(0, 0, 0, 1.3);")
@@ -101,7 +101,7 @@ pub(super) const ENTRIES: &[Entry] = &[
     Entry::scene(Group::Materials, "bump", bump)
         .takes(&[&[
             term("texture", "its brightness is the height"),
-            number("height", "object units", "how high white is above black; 0 for none"),
+            amount_param("height", "object units", "how high white is above black; 0 for none"),
         ]])
         .doc("Relief: light falls as if the surface were raised where the texture is bright. Its outline stays as it is.")
         .usage("bump(granite(#{ scale: 0.2 }), 0.03)")
@@ -110,13 +110,17 @@ pub(super) const ENTRIES: &[Entry] = &[
     Entry::scene(Group::Materials, "normalMap", normal_map)
         .takes(&[&[
             Param::new("image", Kind::Image, "none", "red is to the right, green up, blue out of the surface, as in OpenGL and glTF; half is none"),
-            number("strength", "none", "1 as it is, 0 flat").or("1"),
+            amount_param("strength", "none", "1 as it is, 0 flat").or("1"),
         ]])
         .doc("Relief by a picture of normals, over the shape's texture coordinates.")
         .usage("normalMap(image(#{ width: 1, height: 1, pixels: [0.5, 0.5, 1] }), 0.5)")
         .example(studio!("let dents = [];\nfor y in 0..32 { for x in 0..32 {\n  dents.push([0.5 + 0.3 * sin(x * PI / 4), 0.5 + 0.3 * sin(y * PI / 4), 0.9]);\n} }\ndiffuse(0.3, 0.5, 0.8);\nspecular(0.4, 0.4, 0.4);\nreflection(0, 0, 0);\nshininess(40);\nnormalMap(image(#{ width: 32, height: 32, pixels: dents }));\nsphere(0, 0.2, 0, 1.1);"))
         .also(&["normal_map", "tangentSpace"]),
 ];
+
+/// Roughness of varnish, and strength of a map of normals, where they are not said.
+const USUAL_COAT: Term = Term::number(0.1);
+const USUAL_STRENGTH: Term = Term::number(1.0);
 
 /// Changes the finish of the current material.
 fn change(state: &mut State, change: impl FnOnce(&mut Finish)) -> Outcome {
@@ -143,10 +147,13 @@ fn conductor(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
             let name = call.string("metal")?;
             metal(call, &name)?
         }
-        _ => Conductor {
-            eta: call.vec3("eta")?,
-            k: call.vec3("k")?,
-        },
+        _ => {
+            let (eta, k) = (call.term("eta")?, call.term("k")?);
+            Conductor {
+                eta: scene_term(state, &eta),
+                k: scene_term(state, &k),
+            }
+        }
     };
     call.end()?;
     change(state, |f| f.conductor = Some(metal))
@@ -162,98 +169,116 @@ fn metal(call: &Call<'_, '_>, name: &str) -> Outcome<Conductor> {
 
 fn roughness(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     let given = call.any()?;
-    let value = if call.rest() == 0 {
-        rough_value(call, "r", given)?
-    } else {
+    if call.rest() > 0 {
         return Err(call.wrong_count());
-    };
-    let term = scene_term(state, &value);
-    change(state, |f| f.roughness = some_roughness(term))
-}
-
-/// A number or a texture.
-fn rough_value(call: &Call<'_, '_>, name: &str, d: &Dynamic) -> Outcome<TermValue> {
-    if number_of(d).is_some() {
-        let color = Color::splat(call.number_from(name, d)?);
-        return Ok(TermValue { color, texture: None });
     }
-    call.term_from(name, d)
+    let term = rough_term(call, state, "r", given)?;
+    change(state, |f| f.roughness = Some(term).filter(is_any))
 }
 
-fn some_roughness(term: Term) -> Option<Term> {
-    (term.texture.is_some() || term.color != Color::ZERO).then_some(term)
+/// A number or a texture, as the next argument.
+pub(super) fn amount(call: &mut Call<'_, '_>, state: &mut State, name: &str) -> Outcome<Term> {
+    let given = call.any()?;
+    amount_from(call, state, name, given)
+}
+
+/// A number or a texture, from a single value.
+pub(super) fn amount_from(call: &Call<'_, '_>, state: &mut State, name: &str, d: &Dynamic) -> Outcome<Term> {
+    match texture_of(d) {
+        Some(value) => Ok(scene_term(state, &value)),
+        None if number_of(d).is_some() => call.number_from(name, d).map(Term::number),
+        None => Err(call.wrong_kind(name, "a number or a texture", d)),
+    }
+}
+
+/// As [`amount_from`]; colors will do, too.
+fn rough_term(call: &Call<'_, '_>, state: &mut State, name: &str, d: &Dynamic) -> Outcome<Term> {
+    if number_of(d).is_some() {
+        return call.number_from(name, d).map(Term::number);
+    }
+    Ok(scene_term(state, &call.term_from(name, d)?))
+}
+
+/// What `material()` returns of such a term.
+pub(super) fn amount_value(state: &State, term: Term) -> Dynamic {
+    match term.texture {
+        None => Dynamic::from(Term::number_of(term.color)),
+        Some(_) => term_value(state, &term),
+    }
+}
+
+/// False where it is 0 everywhere.
+fn is_any(term: &Term) -> bool {
+    term.texture.is_some() || term.color != Color::ZERO
 }
 
 fn oren_nayar(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
-    let sigma = call.number("sigma")?;
+    let sigma = amount(call, state, "sigma")?;
     call.end()?;
-    change(state, |f| f.oren_nayar = sigma)
+    change(state, |f| f.oren_nayar = Some(sigma).filter(is_any))
 }
 
 fn clear_coat(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
-    let strength = call.number("strength")?;
+    let strength = amount(call, state, "strength")?;
     let roughness = if call.rest() > 0 {
-        call.number("roughness")?
+        amount(call, state, "roughness")?
     } else {
-        0.1
+        USUAL_COAT
     };
     call.end()?;
     let coat = ClearCoat { strength, roughness };
     change(state, |f| {
-        f.clear_coat = Some(coat).filter(|coat| coat.strength != 0.0)
+        f.clear_coat = Some(coat).filter(|coat| is_any(&coat.strength))
     })
 }
 
 fn absorption(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
-    let color = call.color("color")?;
-    let distance = call.number("distance")?;
+    let value = call.term("color")?;
+    let color = scene_term(state, &value);
+    let distance = amount(call, state, "distance")?;
     call.end()?;
     let absorption = Absorption { color, distance };
     change(state, |f| {
-        f.absorption = Some(absorption).filter(|absorption| absorption.color != Color::ONE);
+        f.absorption = Some(absorption).filter(|absorption| absorption.color != Term::color(Color::ONE));
     })
 }
 
 fn dispersion(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
-    let abbe = call.number("abbe")?;
+    let abbe = amount(call, state, "abbe")?;
     call.end()?;
     change(state, |f| f.dispersion = Some(abbe))
 }
 
 fn bump(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     let value = call.term("texture")?;
-    let height = call.number("height")?;
-    call.end()?;
     let texture = scene_term(state, &value);
+    let height = amount(call, state, "height")?;
+    call.end()?;
     change(state, |f| {
-        f.bump = Some(Bump { texture, height }).filter(|bump| bump.height != 0.0)
+        f.bump = Some(Bump { texture, height }).filter(|bump| is_any(&bump.height))
     })
 }
 
 fn normal_map(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     let given = call.any()?;
+    let texture = map_of(call, state, "image", given)?;
     let strength = if call.rest() > 0 {
-        call.number("strength")?
+        amount(call, state, "strength")?
     } else {
-        1.0
+        USUAL_STRENGTH
     };
     call.end()?;
-    let map = map_of(call, state, "image", given, strength)?;
-    change(state, |f| f.normal_map = map)
+    let map = NormalMap { texture, strength };
+    change(state, |f| {
+        f.normal_map = Some(map).filter(|map| is_any(&map.strength))
+    })
 }
 
-fn map_of(
-    call: &Call<'_, '_>,
-    state: &mut State,
-    name: &str,
-    given: &Dynamic,
-    strength: f64,
-) -> Outcome<Option<NormalMap>> {
+fn map_of(call: &Call<'_, '_>, state: &mut State, name: &str, given: &Dynamic) -> Outcome<TextureId> {
     let Some(texture) = texture_of(given).and_then(|value| value.texture) else {
         return Err(call.wrong_kind(name, "an image or a texture", given));
     };
-    let texture = state.builder.texture(&texture);
-    Ok(Some(NormalMap { texture, strength }).filter(|map| map.strength != 0.0))
+    Ok(state.builder.texture(&texture))
 }
 
 /// Sets what `material(#{ })` names; `()` is none.
@@ -273,12 +298,16 @@ pub(super) fn set(
         Ok(map.clone())
     };
     let missing = |name: &str| call.error(format!("{key} needs {name}"));
-    let number = |map: &Map, name: &str, default: Option<f64>| -> Outcome<f64> {
+    let amount = |state: &mut State, map: &Map, name: &str, default: Option<Term>| -> Outcome<Term> {
         match (map.get(name), default) {
-            (Some(d), _) => call.number_from(name, d),
+            (Some(d), _) => amount_from(call, state, name, d),
             (None, Some(default)) => Ok(default),
             (None, None) => Err(missing(name)),
         }
+    };
+    let term = |state: &mut State, map: &Map, name: &str| -> Outcome<Term> {
+        let value = call.term_from(name, map.get(name).ok_or_else(|| missing(name))?)?;
+        Ok(scene_term(state, &value))
     };
     match key {
         "fresnel" => {
@@ -286,7 +315,8 @@ pub(super) fn set(
                 .as_bool()
                 .map_err(|_| call.wrong_kind(key, "true or false", value))?;
         }
-        "orenNayar" => f.oren_nayar = call.number_from(key, value)?,
+        "orenNayar" if none => f.oren_nayar = None,
+        "orenNayar" => f.oren_nayar = Some(amount_from(call, state, key, value)?).filter(is_any),
         "absorption" if none => f.absorption = None,
         "bump" if none => f.bump = None,
         "clearCoat" if none => f.clear_coat = None,
@@ -294,53 +324,46 @@ pub(super) fn set(
         "dispersion" if none => f.dispersion = None,
         "normalMap" if none => f.normal_map = None,
         "roughness" if none => f.roughness = None,
-        "dispersion" => f.dispersion = Some(call.number_from(key, value)?),
-        "roughness" => {
-            let value = rough_value(call, key, value)?;
-            f.roughness = some_roughness(scene_term(state, &value));
-        }
+        "dispersion" => f.dispersion = Some(amount_from(call, state, key, value)?),
+        "roughness" => f.roughness = Some(rough_term(call, state, key, value)?).filter(is_any),
         "conductor" if value.is_string() => {
             let name = value.clone().into_immutable_string().unwrap_or_default();
             f.conductor = Some(metal(call, &name)?);
         }
         "conductor" => {
             let map = options(&["eta", "k"])?;
-            let vector = |name: &str| -> Outcome<DVec3> {
-                call.vec3_from(name, map.get(name).ok_or_else(|| missing(name))?)
-            };
             f.conductor = Some(Conductor {
-                eta: vector("eta")?,
-                k: vector("k")?,
+                eta: term(state, &map, "eta")?,
+                k: term(state, &map, "k")?,
             });
         }
         "absorption" => {
             let map = options(&["color", "distance"])?;
-            let color = call.term_from("color", map.get("color").ok_or_else(|| missing("color"))?)?;
             f.absorption = Some(Absorption {
-                color: color.color,
-                distance: number(&map, "distance", None)?,
+                color: term(state, &map, "color")?,
+                distance: amount(state, &map, "distance", None)?,
             });
         }
         "clearCoat" => {
             let map = options(&["roughness", "strength"])?;
             f.clear_coat = Some(ClearCoat {
-                strength: number(&map, "strength", None)?,
-                roughness: number(&map, "roughness", Some(0.1))?,
+                strength: amount(state, &map, "strength", None)?,
+                roughness: amount(state, &map, "roughness", Some(USUAL_COAT))?,
             });
         }
         "bump" => {
             let map = options(&["height", "texture"])?;
-            let value = call.term_from("texture", map.get("texture").ok_or_else(|| missing("texture"))?)?;
             f.bump = Some(Bump {
-                texture: scene_term(state, &value),
-                height: number(&map, "height", None)?,
+                texture: term(state, &map, "texture")?,
+                height: amount(state, &map, "height", None)?,
             });
         }
         _ => {
             let map = options(&["image", "strength"])?;
             let image = map.get("image").ok_or_else(|| missing("image"))?;
-            let strength = number(&map, "strength", Some(1.0))?;
-            f.normal_map = map_of(call, state, "image", image, strength)?;
+            let texture = map_of(call, state, "image", image)?;
+            let strength = amount(state, &map, "strength", Some(USUAL_STRENGTH))?;
+            f.normal_map = Some(NormalMap { texture, strength }).filter(|map| is_any(&map.strength));
         }
     }
     Ok(())
@@ -358,8 +381,8 @@ pub(super) fn as_map(state: &State, f: &Finish) -> [(&'static str, Dynamic); 9] 
             "absorption",
             of(f.absorption.map(|a| {
                 map(&[
-                    ("color", Dynamic::from(a.color)),
-                    ("distance", Dynamic::from(a.distance)),
+                    ("color", term_value(state, &a.color)),
+                    ("distance", amount_value(state, a.distance)),
                 ])
             })),
         ),
@@ -367,7 +390,7 @@ pub(super) fn as_map(state: &State, f: &Finish) -> [(&'static str, Dynamic); 9] 
             "bump",
             of(f.bump.map(|b| {
                 map(&[
-                    ("height", Dynamic::from(b.height)),
+                    ("height", amount_value(state, b.height)),
                     ("texture", term_value(state, &b.texture)),
                 ])
             })),
@@ -376,33 +399,36 @@ pub(super) fn as_map(state: &State, f: &Finish) -> [(&'static str, Dynamic); 9] 
             "clearCoat",
             of(f.clear_coat.map(|c| {
                 map(&[
-                    ("roughness", Dynamic::from(c.roughness)),
-                    ("strength", Dynamic::from(c.strength)),
+                    ("roughness", amount_value(state, c.roughness)),
+                    ("strength", amount_value(state, c.strength)),
                 ])
             })),
         ),
         (
             "conductor",
             of(f.conductor
-                .map(|c| map(&[("eta", Dynamic::from(c.eta)), ("k", Dynamic::from(c.k))]))),
+                .map(|c| map(&[("eta", term_value(state, &c.eta)), ("k", term_value(state, &c.k))]))),
         ),
-        ("dispersion", of(f.dispersion.map(Dynamic::from))),
+        (
+            "dispersion",
+            of(f.dispersion.map(|abbe| amount_value(state, abbe))),
+        ),
         ("fresnel", Dynamic::from(f.fresnel)),
         (
             "normalMap",
             of(f.normal_map.map(|m| {
                 let image = term_value(state, &Term::texture(m.texture));
-                map(&[("image", image), ("strength", Dynamic::from(m.strength))])
+                map(&[("image", image), ("strength", amount_value(state, m.strength))])
             })),
         ),
-        ("orenNayar", Dynamic::from(f.oren_nayar)),
+        (
+            "orenNayar",
+            f.oren_nayar
+                .map_or(Dynamic::from(0.0), |sigma| amount_value(state, sigma)),
+        ),
         (
             "roughness",
-            of(f.roughness.map(|r| match r.texture {
-                None if r.color == Color::splat(r.color.x) => Dynamic::from(r.color.x),
-                None => Dynamic::from(Color::splat(finish_mean(r.color))),
-                Some(_) => term_value(state, &r),
-            })),
+            of(f.roughness.map(|roughness| amount_value(state, roughness))),
         ),
     ]
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rhai::{Dynamic, FuncRegistration, Map, Module};
 
-use super::{color, finishes, map, number, term};
+use super::{amount, color, finishes, map, number, term};
 use crate::{
     color::{Color, linear_from_srgb},
     math::DVec3,
@@ -61,8 +61,8 @@ pub(super) const ENTRIES: &[Entry] = &[
         .usage("specular(0.5, 0.5, 0.5)")
         .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.7, 0.1, 0.1);\nshininess(60);\nsphere(-1.2, 0, 0, 1);\nspecular(0.4, 0.4, 0.4);\nsphere(1.2, 0, 0, 1);"),
     Entry::scene(Group::Materials, "shininess", shininess)
-        .takes(&[&[number("s", "none", "0 or greater; 10 is dull, 100 polished, 1000 a mirror's")]])
-        .doc("The exponent of the half-angle highlight: the larger, the smaller the highlight. Default: 1.")
+        .takes(&[&[amount("s", "none", "0 or greater; 10 is dull, 100 polished, 1000 a mirror's")]])
+        .doc("The exponent of the half-angle highlight: the larger, the smaller the highlight. A texture makes it vary: shininess(checker([20, 20, 20], [500, 500, 500], 0.3)). Default: 1.")
         .usage("shininess(50)")
         .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.1, 0.2, 0.6);\nspecular(0.7, 0.7, 0.7);\nreflection(0, 0, 0);\nfor i in -1..2 {\n  shininess(40 * 5 ** i);   // 8, 40, 200\n  sphere(i * 1.7, 0, 0, 0.8);\n}")
         .also(&["exponent", "gloss"]),
@@ -79,8 +79,8 @@ pub(super) const ENTRIES: &[Entry] = &[
         .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ngroup { translate(0, -1, 0); diffuse(checker(\"#fff\", \"#3a7\", 1)); plane(); }\nambient(0, 0, 0);\nspecular(0.15, 0.15, 0.15);\nshininess(200);\ntransmission(0.85, 0.9, 0.85);\nior(1.5);\nsphere(0, 0.2, 0, 1.1);")
         .also(&["transparency", "refraction", "opacity", "alpha", "glass"]),
     Entry::scene(Group::Materials, "ior", ior)
-        .takes(&[&[number("n", "none", "greater than 0; water 1.33, glass 1.5, diamond 2.42")]])
-        .doc("The index of refraction inside the shape, against 1 outside. Default: 1.5.")
+        .takes(&[&[amount("n", "none", "greater than 0; water 1.33, glass 1.5, diamond 2.42")]])
+        .doc("The index of refraction inside the shape, against 1 outside. A texture makes it vary over the surface. Default: 1.5.")
         .usage("ior(1.5)")
         .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ngroup { translate(0, -1, 0); diffuse(checker(\"#fff\", \"#3a7\", 1)); plane(); }\nambient(0, 0, 0);\ntransmission(0.9, 0.9, 0.9);\nior(1.1);\nsphere(-1.7, 0, 0, 0.8);\nior(1.33);   // water\nsphere(0, 0, 0, 0.8);\nior(2.42);   // diamond\nsphere(1.7, 0, 0, 0.8);")
         .also(&["refractiveIndex", "indexOfRefraction", "eta"]),
@@ -90,7 +90,7 @@ pub(super) const ENTRIES: &[Entry] = &[
             &[map("options", "any of ambient, diffuse, emission, ior, reflection, shininess, specular, transmission; fresnel, conductor (a name or #{ eta, k }), roughness, orenNayar, clearCoat (#{ strength, roughness }), absorption (#{ color, distance }), dispersion, bump (#{ texture, height }), normalMap (#{ image, strength })").keys(&KEYS)],
         ])
         .returns("map")
-        .doc("Sets several terms at once and returns the whole state as a map. material(m) puts such a map back. A reflection of () follows Ks again, and () takes a bump, a roughness and the like away.")
+        .doc("Sets several terms at once and returns the whole state as a map. material(m) puts such a map back. A reflection of () follows Ks again, and () takes a bump, a roughness and the like away. Whatever is a color or a number may have a texture.")
         .usage("material(#{ diffuse: [0.8, 0.2, 0.1], shininess: 50 })")
         .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\nlet red = material(#{ diffuse: [0.8, 0.1, 0.1], shininess: 50 });\ndiffuse(0.15, 0.35, 0.8);\nsphere(-1.2, 0, 0, 1);\nmaterial(red);\nsphere(1.2, 0, 0, 1);")
         .also(&["setMaterial", "finish"]),
@@ -149,33 +149,32 @@ terms! {
 }
 
 fn shininess(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
-    let s = call.number("s")?;
+    let s = finishes::amount(call, state, "s")?;
     call.end()?;
-    state.builder.material_mut().shininess = exponent(call, "s", s)?;
+    set_shininess(call, "s", state.builder.material_mut(), s)?;
     DONE
 }
 
 fn ior(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
-    let n = call.number("n")?;
+    let n = finishes::amount(call, state, "n")?;
     call.end()?;
-    state.builder.material_mut().ior = index(call, "n", n)?;
+    set_ior(call, "n", state.builder.material_mut(), n)?;
     DONE
 }
 
-fn exponent(call: &Call<'_, '_>, name: &str, s: f64) -> Outcome<f64> {
-    if s >= 0.0 {
-        return Ok(s);
-    }
-    Err(call.error(format!("{name} must be 0 or greater, not {s}")))
+fn set_shininess(call: &Call<'_, '_>, name: &str, m: &mut Material, s: Term) -> Outcome<()> {
+    m.set_shininess(s).map_err(|_| {
+        let s = Term::number_of(s.color);
+        call.error(format!("{name} must be 0 or greater, not {s}"))
+    })
 }
 
-fn index(call: &Call<'_, '_>, name: &str, n: f64) -> Outcome<f64> {
-    if n > 0.0 {
-        return Ok(n);
-    }
-    Err(call
-        .error(format!("{name} must be greater than 0, not {n}"))
-        .hint("water has 1.33, glass 1.5, diamond 2.42"))
+fn set_ior(call: &Call<'_, '_>, name: &str, m: &mut Material, n: Term) -> Outcome<()> {
+    m.set_ior(n).map_err(|_| {
+        let n = Term::number_of(n.color);
+        call.error(format!("{name} must be greater than 0, not {n}"))
+            .hint("water has 1.33, glass 1.5, diamond 2.42")
+    })
 }
 
 fn material(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
@@ -188,15 +187,25 @@ fn material(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
         call.known_keys(&map, &KEYS)?;
         let mut m = state.builder.material().clone();
         let mut finish = m.finish.as_deref().cloned().unwrap_or_default();
+        let (mut s, mut n) = (None, None);
         for (key, value) in map.iter() {
-            if finishes::KEYS.contains(&key.as_str()) {
-                finishes::set(call, state, &mut finish, key, value)?;
-            } else {
-                set(call, state, &mut m, key, value)?;
+            match key.as_str() {
+                "shininess" => s = Some(finishes::amount_from(call, state, key, value)?),
+                "ior" => n = Some(finishes::amount_from(call, state, key, value)?),
+                known if finishes::KEYS.contains(&known) => {
+                    finishes::set(call, state, &mut finish, key, value)?;
+                }
+                _ => set(call, state, &mut m, key, value)?,
             }
         }
         m.change_finish(|f| *f = finish)
             .map_err(Box::<ScriptError>::from)?;
+        if let Some(s) = s {
+            set_shininess(call, "shininess", &mut m, s)?;
+        }
+        if let Some(n) = n {
+            set_ior(call, "ior", &mut m, n)?;
+        }
         state.builder.set_material(m);
     }
     Ok(Dynamic::from_map(as_map(state)))
@@ -204,8 +213,6 @@ fn material(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
 
 fn set(call: &Call<'_, '_>, state: &mut State, m: &mut Material, key: &str, value: &Dynamic) -> Outcome<()> {
     match key {
-        "shininess" => m.shininess = exponent(call, key, call.number_from(key, value)?)?,
-        "ior" => m.ior = index(call, key, call.number_from(key, value)?)?,
         "reflection" if value.is_unit() => m.reflection = None,
         _ => {
             let t = scene_term(state, &call.term_from(key, value)?);
@@ -230,9 +237,15 @@ fn as_map(state: &State) -> Map {
         ("ambient", term(&m.ambient)),
         ("diffuse", term(&m.diffuse)),
         ("emission", term(&m.emission)),
-        ("ior", Dynamic::from(m.ior)),
+        (
+            "ior",
+            finishes::amount_value(state, finish.ior.unwrap_or(m.ior.into())),
+        ),
         ("reflection", m.reflection.as_ref().map_or(Dynamic::UNIT, term)),
-        ("shininess", Dynamic::from(m.shininess)),
+        (
+            "shininess",
+            finishes::amount_value(state, finish.shininess.unwrap_or(m.shininess.into())),
+        ),
         ("specular", term(&m.specular)),
         ("transmission", term(&m.transmission)),
     ];

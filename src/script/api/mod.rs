@@ -113,6 +113,11 @@ const fn term(name: &'static str, doc: &'static str) -> Param {
     Param::new(name, Kind::Term, "linear RGB", doc)
 }
 
+/// A number that a texture may make vary.
+const fn amount(name: &'static str, unit: &'static str, doc: &'static str) -> Param {
+    Param::new(name, Kind::NumberOrTexture, unit, doc)
+}
+
 const fn string(name: &'static str, doc: &'static str) -> Param {
     Param::new(name, Kind::String, "none", doc)
 }
