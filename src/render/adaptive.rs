@@ -5,7 +5,7 @@ use super::{
     integrator::{self, Counts, Stack},
     interrupt::Interrupt,
     shots::{Mean, Shots},
-    world::World,
+    world::{Moments, World},
 };
 use crate::{
     color::Color,
@@ -183,14 +183,16 @@ impl Pixels<'_> {
         counts: &mut Counts,
     ) {
         let eyes = self.shots.eyes();
+        let mut moments = Moments::new(self.world);
         while look.samples < up_to && !self.interrupt.is_stopped() {
             let mut seen = Color::ZERO;
             for eye in 0..eyes {
                 let shot = self.shots.shot(pixel, look.samples * eyes + eye);
                 let light = shot.probe.map_or(Color::ZERO, |probe| {
-                    let first = self.world.nearest(&probe, f64::INFINITY);
+                    let world = moments.at(&shot);
+                    let first = world.nearest(&probe, f64::INFINITY);
                     integrator::radiance(
-                        self.world,
+                        world,
                         (probe, first),
                         shot.sampler,
                         self.interrupt,

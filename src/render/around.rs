@@ -1,6 +1,8 @@
 //! What is around everything and between all things, ready for a picture. Scenes that have none of it have no such value,
 //! and pay for one look at that.
 
+use std::sync::Arc;
+
 use super::{
     environment::Surround,
     integrator::{Counts, Path},
@@ -33,10 +35,10 @@ pub(super) struct Air {
 
 impl<'s> Around<'s> {
     /// `None` where the scene has nothing of the kind.
-    pub(super) fn new(scene: &'s Scene) -> Option<Box<Self>> {
+    pub(super) fn new(scene: &'s Scene) -> Option<Arc<Self>> {
         let surroundings = &scene.settings.surroundings;
         (*surroundings != Surroundings::default()).then(|| {
-            Box::new(Self {
+            Arc::new(Self {
                 surround: Surround::new(scene),
                 occlusion: surroundings.occlusion,
                 haze: surroundings.haze.filter(|haze| haze.density() > 0.0),

@@ -3,11 +3,11 @@
 use super::{
     filter::Places,
     sampler::{LENS, Sampler, TIME, permuted, stratified},
-    world::Probe,
+    world::{Probe, World},
 };
 use crate::{
     color::Color,
-    scene::{Camera, CameraFrame, Eye, Region, Sampling, Settings},
+    scene::{Camera, CameraFrame, Eye, Region, Sampling, Settings, Shutter},
 };
 
 /// The camera rays of a picture.
@@ -18,7 +18,10 @@ pub(super) struct Shots<'s> {
     /// The first column and row of the part that is rendered.
     corner: (u32, u32),
     filter: Option<Places>,
-    /// A pinhole, with strata of the pixel itself for samples, all of them.
+    /// Things move while the shutter is open.
+    world_moves: bool,
+    shutter: Shutter,
+    /// A pinhole, with strata of the pixel itself for samples, all of them; and nothing moves.
     pub(super) is_plain: bool,
 }
 
@@ -31,9 +34,21 @@ pub(super) struct Shot {
     pub(super) sampler: Sampler,
     /// What it counts for in each channel.
     pub(super) weight: Color,
+    /// When it is, from 0 to 1, where anything moves.
+    pub(super) time: f64,
 }
 
 impl<'s> Shots<'s> {
+    /// As [`Shots::new`], into a world that may move.
+    pub(super) fn into_world(world: &World<'_>, settings: &'s Settings) -> Self {
+        let shots = Self::new(&world.scene.camera, settings);
+        Self {
+            world_moves: world.moves(),
+            is_plain: shots.is_plain && !world.moves(),
+            ..shots
+        }
+    }
+
     /// The rays for a picture of the size and with the samples that `settings` says.
     pub(super) fn new(camera: &Camera, settings: &'s Settings) -> Self {
         let region = settings.region();
@@ -42,6 +57,8 @@ impl<'s> Shots<'s> {
             frame: camera.frame(settings.width, settings.height),
             corner: (region.x, region.y),
             filter: Places::new(&settings.filter),
+            world_moves: false,
+            shutter: camera.shutter,
             is_plain: camera.is_plain()
                 && settings.sampling == Sampling::Stratified
                 && settings.filter.is_pixel()
@@ -94,6 +111,7 @@ impl<'s> Shots<'s> {
                 probe: Some(probe),
                 sampler,
                 weight: Color::ONE,
+                time: 0.0,
             };
         }
         self.any(pixel, index)
@@ -146,20 +164,18 @@ impl<'s> Shots<'s> {
             }
         };
         let place = [f64::from(x) + dx, f64::from(y) + dy];
-        let moved;
-        let frame = if self.frame.moves() {
-            let time = match s.sampling {
+        let (mut moved, mut share) = (None, 0.0);
+        if self.frame.moves() || self.world_moves {
+            share = match s.sampling {
                 Sampling::Stratified => {
                     let stratum = permuted(index, s.samples, key.bits(TIME));
                     (f64::from(stratum) + sampler.get(TIME)) / f64::from(s.samples)
                 }
                 Sampling::Sobol => sampler.get(TIME),
             };
-            moved = self.frame.at_time(time);
-            &moved
-        } else {
-            &self.frame
-        };
+            moved = self.frame.moves().then(|| self.frame.at_time(share));
+        }
+        let frame = moved.as_ref().unwrap_or(&self.frame);
         let ray = frame.shot(place, eye, aperture.map(|(u, v)| [u, v]));
         Shot {
             probe: ray.map(Probe::from_space),
@@ -170,6 +186,7 @@ impl<'s> Shots<'s> {
                     Eye::Left => Color::X,
                     Eye::Right => Color::new(0.0, 1.0, 1.0),
                 },
+            time: self.shutter.time(share),
         }
     }
 }

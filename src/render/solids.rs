@@ -80,6 +80,6 @@ fn is_solid(object: &Object) -> bool {
     match &object.geometry {
         Geometry::Shape(shape) => shape.is_solid(),
         Geometry::Mesh(_) | Geometry::Csg(..) => true,
-        Geometry::Triangle(_) | Geometry::Instance(_) => false,
+        Geometry::Triangle(_) | Geometry::Instance(_) | Geometry::Moving(_) => false,
     }
 }

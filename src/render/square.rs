@@ -10,7 +10,7 @@ use super::{
     interrupt::Interrupt,
     sampler::Sampler,
     shots::{Mean, Shot, Shots},
-    world::{PACKET, Probe, World},
+    world::{Moments, PACKET, Probe, World},
 };
 use crate::color::Color;
 
@@ -97,6 +97,32 @@ impl Square<'_> {
         }
     }
 
+    /// As [`Square::rays`], where each ray sees another moment of the world.
+    #[cold]
+    #[inline(never)]
+    fn rays_in_time(
+        &self,
+        which: impl Iterator<Item = (u32, u32)>,
+        stack: &mut Stack,
+        counts: &mut Counts,
+        seen: &mut dyn FnMut(u32, Color, Color),
+    ) -> bool {
+        let mut moments = Moments::new(self.world);
+        for ((pixel, index), n) in which.zip(1..) {
+            if n % SAMPLES_PER_POLL == 0 && self.interrupt.poll() {
+                return false;
+            }
+            let shot = self.shots.shot(self.place(pixel), index);
+            let world = moments.at(&shot);
+            let light = shot.probe.map_or(Color::ZERO, |probe| {
+                let first = (probe, world.nearest(&probe, f64::INFINITY));
+                integrator::radiance(world, first, shot.sampler, self.interrupt, stack, counts, &mut ())
+            });
+            seen(pixel, light, shot.weight);
+        }
+        true
+    }
+
     /// Traces rays, each given by its pixel and its number there, and calls `seen` with each pixel, the light and what
     /// it counts for, in this order. False where it was stopped.
     fn rays(
@@ -106,6 +132,9 @@ impl Square<'_> {
         counts: &mut Counts,
         seen: &mut dyn FnMut(u32, Color, Color),
     ) -> bool {
+        if self.world.moves() {
+            return self.rays_in_time(which, stack, counts, seen);
+        }
         let mut since_poll = 0;
         let mut shots: Vec<(u32, Shot)> = Vec::with_capacity(PACKET);
         let mut probes: Vec<Probe> = Vec::with_capacity(PACKET);

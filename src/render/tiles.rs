@@ -51,7 +51,7 @@ pub(super) fn trace(
 ) -> Result<(Image, Counts), Error> {
     let region = s.region();
     let size = (region.width, region.height);
-    let shots = Shots::new(&world.scene.camera, s);
+    let shots = Shots::into_world(world, s);
     let (pixels, counts) = match s.adaptive {
         Some(adaptive) => {
             let pixels = Pixels {

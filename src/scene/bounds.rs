@@ -6,7 +6,7 @@ use crate::math::Bounds3;
 impl Scene {
     /// A box around a group in its own space: empty where there is nothing in it, `None` where something in it has no end,
     /// or where there is no such group. Around what is turned it is the box around the turned box, which may be larger than
-    /// need be; else it is tight.
+    /// need be; else it is tight. What moves counts where its motion begins.
     #[must_use]
     pub fn bounds(&self, group: GroupId) -> Option<Bounds3> {
         let mut known = Known {
@@ -56,7 +56,7 @@ impl Known<'_> {
                     .get_mut(id.index())?
                     .get_or_insert_with(|| mesh.bounds())
             }
-            Geometry::Instance(id) => (*self.groups.get(id.index())?)??,
+            Geometry::Instance(id) | Geometry::Moving(id) => (*self.groups.get(id.index())?)??,
             Geometry::Csg(id, op) => self.solid(*id, *op)?,
         };
         Some(own.transformed(placing))

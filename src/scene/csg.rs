@@ -65,7 +65,7 @@ pub(super) fn open_object(scene: &Scene, id: GroupId) -> Option<&Object> {
             match &object.geometry {
                 // What is in it was looked at when it was made.
                 Geometry::Csg(..) => {}
-                Geometry::Instance(inner) => waiting.push(*inner),
+                Geometry::Instance(inner) | Geometry::Moving(inner) => waiting.push(*inner),
                 Geometry::Shape(shape) if has_inside(shape) => {}
                 Geometry::Mesh(mesh) if scene.meshes.get(mesh.index()).is_some_and(|m| is_closed(m)) => {}
                 _ => return Some(object),

@@ -134,6 +134,9 @@ impl Scene {
         list(out, limit, std::iter::once(name), |line, name| {
             let (objects, lights) = (group.objects.len(), group.lights.len());
             write!(line, "group {index} {name} objects {objects} lights {lights}")?;
+            if let Some(motion) = group.motion {
+                write!(line, " motion {motion}")?;
+            }
             write_loc(line, group.loc)
         });
         list(
@@ -169,8 +172,9 @@ impl Scene {
             Geometry::Mesh(id) => write!(line, "mesh {}", id.0)?,
             Geometry::Instance(id) => write!(line, "instance {}", id.0)?,
             Geometry::Csg(id, op) => write!(line, "{op} {}", id.0)?,
+            Geometry::Moving(id) => write!(line, "moving {}", id.0)?,
         }
-        if !matches!(object.geometry, Geometry::Instance(_) | Geometry::Csg(..)) {
+        if object.geometry.group().is_none() {
             write!(line, " material {}", object.material.0)?;
         }
         let matrix = self.world_from_object(object);

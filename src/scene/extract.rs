@@ -49,7 +49,7 @@ impl Scene {
         let mut waiting = vec![group];
         while let Some(id) = waiting.pop() {
             for object in &self.groups.get(id.index())?.objects {
-                if let Geometry::Instance(inner) | Geometry::Csg(inner, _) = object.geometry
+                if let Some(inner) = object.geometry.group()
                     && placed.insert(inner)
                 {
                     waiting.push(inner);
@@ -84,6 +84,7 @@ impl Copier<'_, '_> {
             lights: group.lights.clone(),
             loc: group.loc,
             csg: group.csg,
+            motion: group.motion,
         })
     }
 
@@ -99,6 +100,7 @@ impl Copier<'_, '_> {
             Geometry::Mesh(id) => Geometry::Mesh(self.mesh(*id)?),
             Geometry::Instance(id) => Geometry::Instance(*self.groups.get(id)?),
             Geometry::Csg(id, op) => Geometry::Csg(*self.groups.get(id)?, *op),
+            Geometry::Moving(id) => Geometry::Moving(*self.groups.get(id)?),
         };
         Some(Object {
             geometry,

@@ -1,9 +1,9 @@
 //! A scene's identity.
 
 use super::{
-    Attenuation, Attribute, Camera, Encoding, Environment, Fog, Geometry, Group, Haze, ImageTexture, Light,
-    LightKind, Material, Mesh, Object, Occlusion, Projection, Sampling, Scene, Settings, Shutter, Sky,
-    Surroundings, Term, Texels, Texture, Triangle,
+    AnimatedTransform, Attenuation, Attribute, Camera, Encoding, Environment, Fog, Geometry, Group, Haze,
+    ImageTexture, Light, LightKind, Material, Mesh, Object, Occlusion, Projection, Sampling, Scene, Settings,
+    Shutter, Sky, Surroundings, Term, Texels, Texture, Triangle,
 };
 use crate::{
     math::{DAffine3, DVec2, DVec3},
@@ -249,9 +249,21 @@ impl Digest {
             loc: _,
             // Told by the object that stands for it.
             csg: _,
+            motion,
         } = group;
         self.each(objects, Self::object);
         self.each(lights, Self::light);
+        if let Some(AnimatedTransform {
+            translate,
+            axis,
+            degrees,
+            scale,
+        }) = motion
+        {
+            self.text("motion");
+            self.vectors([*translate, *axis, *scale]);
+            self.float(*degrees);
+        }
     }
 
     fn object(&mut self, object: &Object) {
@@ -276,6 +288,7 @@ impl Digest {
             Geometry::Mesh(id) => self.ints([3, id.0]),
             Geometry::Instance(id) => self.ints([4, id.0]),
             Geometry::Csg(id, op) => self.ints([5, id.0, *op as u32]),
+            Geometry::Moving(id) => self.ints([6, id.0]),
         }
         self.int(u64::from(transform.0));
         self.int(u64::from(material.0));

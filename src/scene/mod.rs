@@ -4,6 +4,7 @@
 //! into one of its vectors, and every entity knows the line that made it. It never sees Rhai, the command line
 //! or the file system, and it holds no acceleration structure: [`render`](mod@crate::render) compiles it for that.
 
+mod animated;
 mod bounds;
 mod builder;
 mod camera;
@@ -34,6 +35,7 @@ mod texture;
 mod texture_text;
 mod validate;
 
+pub use animated::AnimatedTransform;
 pub use builder::{Builder, GroupMark};
 pub use camera::{Camera, CameraFrame, Eye, Focus, Lens, Motion, Projection, Shutter, Stereo, StereoLayout};
 pub use color_map::{ColorMap, Interpolation, Paint};
@@ -128,6 +130,8 @@ pub enum Geometry {
     Instance(GroupId),
     /// The solid that a group with [`Group::csg`] is, in the place where it was made.
     Csg(GroupId, CsgOp),
+    /// What a group with [`Group::motion`] holds, as it moves from the place where it was made.
+    Moving(GroupId),
 }
 
 impl Geometry {
@@ -140,6 +144,16 @@ impl Geometry {
             Self::Mesh(_) => "mesh",
             Self::Instance(_) => "instance",
             Self::Csg(_, op) => op.name(),
+            Self::Moving(_) => "moving",
+        }
+    }
+
+    /// The group that stands in its place: of an instance, of a solid that is put together, of what moves together.
+    #[must_use]
+    pub const fn group(&self) -> Option<GroupId> {
+        match self {
+            Self::Instance(id) | Self::Csg(id, _) | Self::Moving(id) => Some(*id),
+            Self::Shape(_) | Self::Triangle(_) | Self::Mesh(_) => None,
         }
     }
 }
@@ -151,7 +165,8 @@ pub struct Object {
     pub geometry: Geometry,
     /// Where it is: world (or group) from object.
     pub transform: TransformId,
-    /// How it looks. An instance and what is put together ignore it: their groups' objects have their own.
+    /// How it looks. An instance, what is put together and what moves together ignore it: their groups' objects have
+    /// their own.
     pub material: MaterialId,
     /// The call that made it.
     pub loc: SourceLoc,
@@ -166,10 +181,11 @@ pub struct Triangle {
     pub normals: Option<[DVec3; 3]>,
 }
 
-/// Objects in one space: the root, what `define` named, or the parts of one solid.
+/// Objects in one space: the root, what `define` named, the parts of one solid, or what moves together.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Group {
-    /// The name given by `define`; empty for the root, `difference` and so on for the parts of a solid.
+    /// The name given by `define`; empty for the root, `difference` and so on for the parts of a solid, `moving` for what
+    /// moves together.
     pub name: String,
     /// Objects in the order they were made.
     pub objects: Vec<Object>,
@@ -179,6 +195,16 @@ pub struct Group {
     pub loc: SourceLoc,
     /// How its objects make one solid; `None` where they stand side by side.
     pub csg: Option<CsgOp>,
+    /// How it moves while light is gathered, before the matrix of what stands for it; `None` where it stands still.
+    pub motion: Option<AnimatedTransform>,
+}
+
+impl Group {
+    /// Whether it was made in the place where it is seen, by a block without a name: parts of a solid, what moves.
+    #[must_use]
+    pub(crate) const fn is_in_place(&self) -> bool {
+        self.csg.is_some() || self.motion.is_some()
+    }
 }
 
 /// A complete picture description.
@@ -224,12 +250,14 @@ impl Scene {
         let objects = || self.groups.iter().flat_map(|group| &group.objects);
         let instances = objects().filter(|object| matches!(object.geometry, Geometry::Instance(_)));
         let solids = self.groups.iter().filter(|group| group.csg.is_some()).count();
+        let moving = self.groups.iter().filter(|group| group.motion.is_some()).count();
         let faces: usize = self.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
         let lists = [
             ("objects", objects().count()),
             ("instances", instances.count()),
-            ("groups", self.groups.len() - 1 - solids),
+            ("groups", self.groups.len() - 1 - solids - moving),
             ("joined solids", solids),
+            ("moving groups", moving),
             ("triangles", faces + self.triangles.len()),
             ("lights", self.groups.iter().map(|group| group.lights.len()).sum()),
             ("materials", self.materials.len()),

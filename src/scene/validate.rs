@@ -1,6 +1,6 @@
 //! Warnings about a complete scene: a black picture always comes with a sentence.
 
-use super::{Geometry, Scene, Surroundings, Term};
+use super::{Scene, Surroundings, Term};
 use crate::{
     color::Color,
     diag::{Code, Diagnostic},
@@ -41,7 +41,7 @@ fn used_materials(scene: &Scene) -> impl Iterator<Item = &super::Material> {
     let objects = scene.groups.iter().flat_map(|group| &group.objects);
     let own = objects
         .clone()
-        .filter(|o| !matches!(o.geometry, Geometry::Instance(_) | Geometry::Csg(..)))
+        .filter(|o| o.geometry.group().is_none())
         .filter_map(|o| scene.materials.get(o.material.index()));
     let of_meshes = scene.meshes.iter().flat_map(|mesh| &mesh.face_materials);
     own.chain(of_meshes.filter_map(|id| scene.materials.get(id.index())))

@@ -301,7 +301,7 @@ pub(super) fn runner(limits: &Limits, language: &Language, ast: &AST) -> Result<
     Ok(engine)
 }
 
-/// `group { }`, `define "name" { }`, and the blocks that make a solid.
+/// `group { }`, `define "name" { }`, `moving #{ ... } { }`, and the blocks that make a solid.
 fn blocks(engine: &mut Engine) -> Result<(), String> {
     for op in CsgOp::ALL {
         engine
@@ -313,6 +313,7 @@ fn blocks(engine: &mut Engine) -> Result<(), String> {
     engine
         .register_custom_syntax(["group", "$block$"], false, group)
         .and_then(|engine| engine.register_custom_syntax(["define", "$expr$", "$block$"], false, define))
+        .and_then(|engine| engine.register_custom_syntax(["moving", "$expr$", "$block$"], false, moving))
         .map(|_| ())
         .map_err(|e| e.to_string())
 }
@@ -362,6 +363,24 @@ fn define(ctx: &mut EvalContext<'_, '_, '_, '_, '_, '_>, inputs: &[Expression<'_
     let keep = result.as_ref().err().is_none_or(|e| e.is_pseudo_error());
     with_state(|state| state.builder.end_define(mark, keep));
     result
+}
+
+fn moving(ctx: &mut EvalContext<'_, '_, '_, '_, '_, '_>, inputs: &[Expression<'_>]) -> EvalResult {
+    let (Some(entry), [motion, block]) = (super::table::entry("moving"), inputs) else {
+        return Err(internal("moving without a motion and a block").raise(Position::NONE));
+    };
+    let pos = motion.position();
+    let given = ctx.eval_expression_tree(motion)?;
+    let motion =
+        api::moving::motion(&Call::new(entry, &[]), &given).map_err(|e| e.raise_in(ctx.source(), pos))?;
+    let mark = begin(ctx, pos, |builder| builder.begin_moving(motion))?;
+    let result = ctx.eval_expression_tree(block);
+    let keep = result.as_ref().err().is_none_or(|e| e.is_pseudo_error());
+    let ended = with_state(|state| state.builder.end_moving(mark, keep));
+    match ended {
+        Some(Err(e)) if keep => Err(Box::<ScriptError>::from(e).raise_in(ctx.source(), pos)),
+        _ => result,
+    }
 }
 
 fn begin(

@@ -119,8 +119,8 @@ impl Group {
             Self::Queries => {
                 "Where things are, while the script is still building: trees can stand on a landscape that is there \
                  already. Asked of a name, they look at what define \"name\" { } made, in its own object space; without \
-                 one, at what was made so far, in the space of the scene or, inside define, of the definition. The current \
-                 matrix does not count."
+                 one, at what was made so far, in the space of the scene or, inside define and moving, of the block. The current \
+                 matrix does not count, and what moves is where its motion begins."
             }
             Self::Parameters => "What the one who runs the script may decide, and what it is otherwise.",
             Self::Vectors => "Points, directions and colors: three numbers that can be calculated with.",

@@ -10,7 +10,7 @@ use super::{
     interrupt::Interrupt,
     observe::RayKind,
     shots::{Mean, Shots},
-    world::World,
+    world::{Moments, World},
 };
 use crate::{
     color::Color,
@@ -224,13 +224,13 @@ impl ExplainedSample<'_> {
     }
 }
 
-impl World<'_> {
+impl<'s> World<'s> {
     /// Why the pixel in column `x`, row `y` from the top has its value. The whole trees of rays of all its samples are
     /// in it; [`World::explain_sample`] takes one after the other.
     ///
     /// # Errors
     /// `Script` outside the picture, `Cancelled` where the host asks to stop.
-    pub fn explain(&self, x: u32, y: u32, host: &dyn Host) -> Result<Explanation<'_>, Error> {
+    pub fn explain(&self, x: u32, y: u32, host: &dyn Host) -> Result<Explanation<'s>, Error> {
         let count = self.samples_at(x, y, host)?;
         let mut samples = Vec::new();
         let mut mean = Mean::default();
@@ -264,7 +264,7 @@ impl World<'_> {
             )
             .into());
         }
-        let shots = Shots::new(&self.scene.camera, s);
+        let shots = Shots::into_world(self, s);
         let Some(adaptive) = s.adaptive else {
             return Ok(shots.count());
         };
@@ -287,9 +287,9 @@ impl World<'_> {
         y: u32,
         index: u32,
         host: &dyn Host,
-    ) -> Result<ExplainedSample<'_>, Error> {
+    ) -> Result<ExplainedSample<'s>, Error> {
         let s = &self.scene.settings;
-        let shots = Shots::new(&self.scene.camera, s);
+        let shots = Shots::into_world(self, s);
         let count = self.samples_at(x, y, host)?;
         if index >= count {
             return Err(Diagnostic::error(
@@ -300,7 +300,6 @@ impl World<'_> {
         }
         let shot = shots.shot((x, y), index);
         let interrupt = Interrupt::new(host);
-        let mut recorder = Recorder::new(self);
         let Some(probe) = shot.probe else {
             return Ok(ExplainedSample {
                 value: Color::ZERO,
@@ -308,10 +307,13 @@ impl World<'_> {
                 rays: Vec::new(),
             });
         };
-        let seen = (probe, self.nearest(&probe, f64::INFINITY));
+        let mut moments = Moments::new(self);
+        let world = moments.at(&shot);
+        let mut recorder = Recorder::new(world);
+        let seen = (probe, world.nearest(&probe, f64::INFINITY));
         let (mut stack, mut counts) = (Stack::default(), Counts::default());
         let value = integrator::radiance(
-            self,
+            world,
             seen,
             shot.sampler,
             &interrupt,

@@ -17,16 +17,16 @@ use crate::{
 };
 
 /// Writes down the rays of one sample.
-pub(super) struct Recorder<'w> {
-    world: &'w World<'w>,
-    pub(super) rays: Vec<ExplainedRay<'w>>,
+pub(super) struct Recorder<'w, 's> {
+    world: &'w World<'s>,
+    pub(super) rays: Vec<ExplainedRay<'s>>,
     /// Rays that will be followed: what they are, the ray they go on from and the branch there. The last is next, as
     /// in the integrator.
     waiting: Vec<(RayKind, usize, usize)>,
 }
 
-impl<'w> Recorder<'w> {
-    pub(super) fn new(world: &'w World<'w>) -> Self {
+impl<'w, 's> Recorder<'w, 's> {
+    pub(super) fn new(world: &'w World<'s>) -> Self {
         Self {
             world,
             rays: Vec::new(),
@@ -34,7 +34,7 @@ impl<'w> Recorder<'w> {
         }
     }
 
-    fn hit(&mut self) -> Option<&mut ExplainedHit<'w>> {
+    fn hit(&mut self) -> Option<&mut ExplainedHit<'s>> {
         self.rays.last_mut()?.hit.as_deref_mut()
     }
 
@@ -45,7 +45,7 @@ impl<'w> Recorder<'w> {
     }
 }
 
-impl Observer for Recorder<'_> {
+impl Observer for Recorder<'_, '_> {
     fn ray(&mut self, ray: &Ray, weight: Color, depth: u32) {
         let index = self.rays.len();
         let from = self.waiting.pop();

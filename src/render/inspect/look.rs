@@ -15,7 +15,7 @@ use crate::{
         lighting::Lit,
         observe::{Arrived, Observer},
         shots::Shots,
-        world::{Hit, Probe, SurfacePoint},
+        world::{Hit, Moments, Probe, SurfacePoint},
     },
     scene::{Geometry, GroupId, Light, Object, ROOT_GROUP},
 };
@@ -60,7 +60,7 @@ pub(super) fn look(world: &World<'_>, host: &dyn Host) -> Result<Vec<Diagnostic>
     if world.scene.root().objects.is_empty() {
         return Ok(Vec::new());
     }
-    let shots = Shots::new(&world.scene.camera, s);
+    let shots = Shots::into_world(world, s);
     let (width, height) = (s.region().width, s.region().height);
     let step = width.div_ceil(RAYS).max(height.div_ceil(RAYS)).max(1);
     let size = (width.div_ceil(step), height.div_ceil(step));
@@ -69,13 +69,15 @@ pub(super) fn look(world: &World<'_>, host: &dyn Host) -> Result<Vec<Diagnostic>
             (x * step + step / 2).min(width - 1),
             (y * step + step / 2).min(height - 1),
         );
+        let shot = shots.shot(pixel, 0);
+        let Some(probe) = shot.probe else {
+            return Met::default();
+        };
+        let mut moments = Moments::new(world);
+        let world = moments.at(&shot);
         let mut eye = Eye {
             world,
             met: Met::default(),
-        };
-        let shot = shots.shot(pixel, 0);
-        let Some(probe) = shot.probe else {
-            return eye.met;
         };
         let first = world.nearest(&probe, f64::INFINITY);
         if let Some(hit) = &first {
@@ -235,7 +237,7 @@ fn is_placed(world: &World<'_>, group: GroupId) -> bool {
             continue;
         }
         for object in scene.groups.get(i).into_iter().flat_map(|group| &group.objects) {
-            if let Geometry::Instance(inner) | Geometry::Csg(inner, _) = object.geometry
+            if let Some(inner) = object.geometry.group()
                 && let Some(inner) = reached.get_mut(inner.index())
             {
                 *inner = true;
@@ -286,7 +288,7 @@ fn bounds(world: &World<'_>, object: &Object) -> Option<Bounds3> {
         Geometry::Shape(shape) => shape.bounds()?,
         Geometry::Triangle(id) => Bounds3::around(scene.triangles.get(id.index())?.positions),
         Geometry::Mesh(id) => scene.meshes.get(id.index())?.bounds(),
-        Geometry::Instance(_) | Geometry::Csg(..) => return None,
+        Geometry::Instance(_) | Geometry::Csg(..) | Geometry::Moving(_) => return None,
     };
     Some(around.transformed(&scene.world_from_object(object)))
 }

@@ -12,7 +12,7 @@ use crate::{
         lighting::Lit,
         observe::{Arrived, Observer},
         shots::Shots,
-        world::{Hit, Probe, SurfacePoint, World},
+        world::{Hit, Moments, Probe, SurfacePoint, World},
     },
     scene::Scene,
 };
@@ -47,14 +47,11 @@ impl PixelCost {
 pub fn costs(scene: &Scene, host: &dyn Host) -> Result<Vec<PixelCost>, Error> {
     let world = World::compile_for(scene, host)?;
     let s = &scene.settings;
-    let shots = Shots::new(&scene.camera, s);
+    let shots = Shots::into_world(&world, s);
     let region = s.region();
     by_rows((region.width, region.height), host, |x, y, interrupt| {
-        let mut meter = Meter {
-            world: &world,
-            cost: PixelCost::default(),
-            under_way: None,
-        };
+        let mut cost = PixelCost::default();
+        let mut moments = Moments::new(&world);
         let (mut stack, mut counts) = (Stack::default(), Counts::default());
         let count = s.adaptive.map_or(shots.count(), |adaptive| {
             let pixels = Pixels {
@@ -71,13 +68,19 @@ pub fn costs(scene: &Scene, host: &dyn Host) -> Result<Vec<PixelCost>, Error> {
             }
             let shot = shots.shot((x, y), index);
             let Some(probe) = shot.probe else { continue };
+            let world = moments.at(&shot);
             let first = world.nearest(&probe, f64::INFINITY);
             if index == 0 {
-                meter.cost.shows = first.map(|hit| hit.number);
+                cost.shows = first.map(|hit| hit.number);
             }
+            let mut meter = Meter {
+                world,
+                cost,
+                under_way: None,
+            };
             let seen = (probe, first);
             integrator::radiance(
-                &world,
+                world,
                 seen,
                 shot.sampler,
                 interrupt,
@@ -85,8 +88,8 @@ pub fn costs(scene: &Scene, host: &dyn Host) -> Result<Vec<PixelCost>, Error> {
                 &mut counts,
                 &mut meter,
             );
+            cost = meter.cost;
         }
-        let mut cost = meter.cost;
         (cost.rays, cost.shadow_rays) = (counts.total() - counts.shadow, counts.shadow);
         cost
     })

@@ -9,7 +9,7 @@ use super::{
     World,
     csg::Solid,
     kept::{KeptTrees, Key},
-    level::{Instance, Level, PlacedShape, PlacedSphere, Primitive, TriangleRun, TriangleSource},
+    level::{Instance, Level, PlacedShape, PlacedSphere, Primitive, Rare, TriangleRun, TriangleSource},
     placing::{normal_matrix, place, similarity},
     tree,
 };
@@ -18,7 +18,7 @@ use crate::{
     diag::{Diagnostic, Error, ErrorKind},
     host::{Host, NoHost},
     math::{Bounds3, DAffine3, is_singular},
-    scene::{Geometry, GroupId, MaterialId, Mesh, MeshId, Object, ROOT_GROUP, Scene},
+    scene::{Geometry, Group, GroupId, MaterialId, Mesh, MeshId, Object, ROOT_GROUP, Scene, Shutter},
     shape::Shape,
 };
 
@@ -81,13 +81,17 @@ impl<'s> World<'s> {
             interrupt,
         };
         let compiled = compiler.groups();
+        let shutter = scene.camera.shutter;
+        let moving = |level: &Level<'_>| matches!(level.rare, Some(Rare::Moving(motion)) if motion.moves());
         let world = World {
             scene,
-            levels: compiler.levels,
+            moves: shutter.open < shutter.close && compiler.levels.iter().any(moving),
+            time: shutter.time(0.5),
+            levels: compiler.levels.into(),
             keys: compiler.keys,
             packets: true,
             interrupt: None,
-            lamps: Lamp::of_all(scene),
+            lamps: Lamp::of_all(scene).into(),
             around: Around::new(scene),
             is_linked: scene.root().lights.iter().any(|light| !light.links.is_all()),
             uv_everywhere: false,
@@ -163,10 +167,7 @@ impl<'s> Compiler<'s, '_> {
         let mut level = Level {
             group: Some(id),
             // The root is where rays begin: things stand side by side in it.
-            solid: group.csg.filter(|_| id != ROOT_GROUP).map(|op| Solid {
-                op,
-                parts: group.objects.len() as u32,
-            }),
+            rare: rare(group).filter(|_| id != ROOT_GROUP),
             ..Level::default()
         };
         self.reserve(&mut level, &group.objects);
@@ -210,7 +211,7 @@ impl<'s> Compiler<'s, '_> {
                     level.instances.push(instance(inner, index, &placing));
                 }
                 Geometry::Shape(shape) => push_shape(&mut level, shape, index, &placing),
-                Geometry::Csg(id, _) => {
+                Geometry::Csg(id, _) | Geometry::Moving(id) => {
                     let Some(&inner) = self.of_group.get(id) else {
                         continue;
                     };
@@ -332,8 +333,13 @@ impl<'s> Compiler<'s, '_> {
         let around = union(&primitives);
         level.bounds = around.extent().is_finite().then(|| around.to_bounds());
         let has_end = level.bounds.is_some();
-        if let Some(solid) = level.solid {
-            level.bounds = solid.bounds(&self.parts(&level, solid.parts));
+        match level.rare {
+            None => {}
+            Some(Rare::Solid(solid)) => level.bounds = solid.bounds(&self.parts(&level, solid.parts)),
+            Some(Rare::Moving(motion)) => {
+                let Shutter { open, close } = self.scene.camera.shutter;
+                level.bounds = level.bounds.map(|bounds| motion.swept(&bounds, open, close));
+            }
         }
         if !has_end {
             let everywhere = |index: &u32| primitives[*index as usize].bounds() == Box32::EVERYTHING;
@@ -456,7 +462,7 @@ fn groups_inside_out(scene: &Scene) -> Vec<GroupId> {
     let mut found = Vec::new();
     while let Some(group) = open.pop() {
         for object in &scene.groups[group.index()].objects {
-            if let Geometry::Instance(inner) | Geometry::Csg(inner, _) = object.geometry
+            if let Some(inner) = object.geometry.group()
                 && !seen[inner.index()]
             {
                 seen[inner.index()] = true;
@@ -469,6 +475,16 @@ fn groups_inside_out(scene: &Scene) -> Vec<GroupId> {
     found.sort_unstable();
     found.push(ROOT_GROUP);
     found
+}
+
+/// What the level of a group is more than things that stand side by side.
+fn rare(group: &Group) -> Option<Rare> {
+    let solid = |op| Solid {
+        op,
+        parts: group.objects.len() as u32,
+    };
+    let solid = group.csg.map(solid).map(Rare::Solid);
+    solid.or(group.motion.map(Rare::Moving))
 }
 
 fn limit(message: String) -> Error {

@@ -31,9 +31,9 @@ impl<const ANY: bool> Exact<'_, '_, '_, ANY> {
                 let instance = &self.level.instances[i as usize];
                 let inner = &self.world.levels[instance.level as usize];
                 let ray = self.ray.transformed(&instance.inner_from_outer);
-                if inner.solid.is_some() {
+                if inner.rare.is_some() {
                     let base = self.base + instance.first_number;
-                    return self.world.search_solid::<ANY>(inner, base, &ray, self.query);
+                    return self.world.search_rare::<ANY>(inner, base, ray, self.query);
                 }
                 self.world
                     .search::<ANY>(inner, self.base + instance.first_number, &ray, self.query)

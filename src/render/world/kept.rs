@@ -155,7 +155,7 @@ impl KeptTrees {
     }
 
     /// Takes the trees of a world that is not needed any more.
-    pub(crate) fn take_back(&self, world: World<'_>) {
+    pub(crate) fn take_back(&self, mut world: World<'_>) {
         let mut kept = self.kept();
         let mut unused: usize = kept.trees.iter().map(|(_, tree)| tree.bytes()).sum();
         kept.trees.retain(|(_, tree)| {
@@ -165,9 +165,11 @@ impl KeptTrees {
             }
             stays
         });
-        for (key, mut level) in world.keys.into_iter().zip(world.levels) {
+        // Nobody else holds the levels of a world that is given back.
+        let levels = Arc::get_mut(&mut world.levels).unwrap_or_default();
+        for (key, level) in world.keys.into_iter().zip(levels) {
             let mut tree = Tree::default();
-            tree.swap(&mut level);
+            tree.swap(level);
             kept.trees.push((key, tree));
         }
     }

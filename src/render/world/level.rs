@@ -6,7 +6,7 @@ use super::csg::Solid;
 use crate::{
     accel::{Bvh, Cuboids, Spheres, Triangles, prefetch},
     math::{Bounds3, DAffine3, DMat3, DVec3, Ray},
-    scene::{GroupId, MeshId, TriangleId},
+    scene::{AnimatedTransform, GroupId, MeshId, TriangleId},
     shape::{Cuboid, Shape},
 };
 
@@ -16,8 +16,8 @@ use crate::{
 pub(crate) struct Level<'s> {
     /// The group it was made from; `None` for a mesh placed several times.
     pub(super) group: Option<GroupId>,
-    /// How what is in it makes one solid; `None` where things stand side by side.
-    pub(super) solid: Option<Solid>,
+    /// What it is more than things that stand side by side.
+    pub(super) rare: Option<Rare>,
     /// The scene's own where one mesh is all there is and stands where it was made.
     pub(super) vertices: Cow<'s, [DVec3]>,
     pub(super) triangles: Cow<'s, [[u32; 3]]>,
@@ -42,6 +42,15 @@ pub(crate) struct Level<'s> {
     pub(super) transparent: Vec<u64>,
     /// Numbers that this level's primitives take, those of placed levels included.
     pub(super) numbers: u64,
+}
+
+/// What a level may be more than things that stand side by side.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Rare {
+    /// What is in it makes one solid.
+    Solid(Solid),
+    /// It moves while the shutter is open, in the space of what places it; never the root.
+    Moving(AnimatedTransform),
 }
 
 /// Consecutive triangles of one object.
@@ -126,10 +135,19 @@ pub(super) enum Primitive {
 impl Level<'_> {
     pub(super) const NO_OBJECT: u32 = u32::MAX;
 
+    /// How what is in it makes one solid; `None` where things stand side by side.
+    #[inline]
+    pub(super) fn solid(&self) -> Option<Solid> {
+        match self.rare {
+            Some(Rare::Solid(solid)) => Some(solid),
+            Some(Rare::Moving(_)) | None => None,
+        }
+    }
+
     /// Whether an object is cut away from the solid that the level is, so that its surface is seen from within.
     #[inline]
     pub(super) fn is_cut_by(&self, object: u32) -> bool {
-        self.solid.is_some_and(|solid| solid.op.cuts(object))
+        self.solid().is_some_and(|solid| solid.op.cuts(object))
     }
 
     /// Primitives, an instance counted as one.

@@ -15,6 +15,7 @@ mod csg;
 mod exact;
 mod kept;
 mod level;
+mod moving;
 mod origin;
 mod packet;
 mod placing;
@@ -32,9 +33,12 @@ mod tree;
 
 pub(crate) use crate::accel::PACKET;
 pub use kept::KeptTrees;
+pub(super) use moving::Moments;
 pub(crate) use query::{Blocker, Hit, Probe};
 pub(crate) use shaft::FewObstacles;
 pub(crate) use surface::SurfacePoint;
+
+use std::sync::Arc;
 
 use super::{around::Around, interrupt::Interrupt, lighting::Lamp, solids};
 use crate::{
@@ -62,7 +66,7 @@ use level::Level;
 pub struct World<'s> {
     pub(crate) scene: &'s Scene,
     /// Levels; a level comes before the levels that place it, so the last is the root.
-    levels: Vec<Level<'s>>,
+    levels: Arc<[Level<'s>]>,
     /// What the tree of each level is made from; empty where nothing is kept.
     keys: Vec<kept::Key>,
     /// Rays that go together are traced in packets; off for tests that compare.
@@ -70,15 +74,19 @@ pub struct World<'s> {
     /// Looked at where a single question may go on for very long: in instances of instances.
     pub(super) interrupt: Option<&'s Interrupt<'s>>,
     /// What the lights of the root need besides what the scene says, by their number; empty where none needs anything.
-    pub(super) lamps: Vec<Lamp>,
+    pub(super) lamps: Arc<[Lamp]>,
     /// Some lights do not reach all shapes.
     pub(super) is_linked: bool,
     /// Environment, ambient occlusion, fog and haze, where there is any of them.
-    pub(super) around: Option<Box<Around<'s>>>,
+    pub(super) around: Option<Arc<Around<'s>>>,
     /// Texture coordinates are wanted of every surface, also where no texture asks for them.
     pub(crate) uv_everywhere: bool,
     /// A texture asks how wide a pixel is.
     pub(crate) needs_width: bool,
+    /// When it is, where things in it move: from 0 to 1.
+    time: f64,
+    /// Things in it move while the shutter is open.
+    moves: bool,
 }
 
 /// What a ray met.

@@ -136,8 +136,9 @@ impl<'s> World<'s> {
         let mut placing_material = None;
         let local = loop {
             let (primitive, rest) = level.by_number(number);
-            if level.solid.is_some() {
+            if level.rare.is_some() {
                 inverted ^= Self::is_cut(level, primitive);
+                level_from_world = self.moved_from_world(level, level_from_world);
             }
             let Primitive::Instance(i) = primitive else {
                 let p = if nested {

@@ -432,8 +432,8 @@ impl<'a, 's, C: Census> Walk<'a, 's, C> {
                 let inner = &self.world.levels[instance.level as usize];
                 let ray = self.ray.transformed(&instance.inner_from_outer);
                 let base = self.base + instance.first_number;
-                if inner.solid.is_some() {
-                    return self.solid(inner, base, &ray);
+                if inner.rare.is_some() {
+                    return self.rare(inner, base, ray);
                 }
                 return self.world.walk(inner, base, &ray, self.probe, self.census);
             }
@@ -479,9 +479,18 @@ impl<'a, 's, C: Census> Walk<'a, 's, C> {
         self.meet(index, number, t.get(..found.len()).unwrap_or_default(), least)
     }
 
-    /// Counts what is seen of a solid that is put together.
+    /// Counts what is seen of a level that is more than things side by side.
     #[cold]
     #[inline(never)]
+    fn rare(&mut self, level: &Level<'s>, base: u64, ray: Ray) -> Control {
+        if level.solid().is_none() {
+            let ray = self.world.entering(level, ray);
+            return self.world.walk(level, base, &ray, self.probe, self.census);
+        }
+        self.solid(level, base, &ray)
+    }
+
+    /// Counts what is seen of a solid that is put together.
     fn solid(&mut self, level: &Level<'s>, base: u64, ray: &Ray) -> Control {
         let census = &mut *self.census;
         let stopped = self

@@ -56,6 +56,7 @@ impl Count<'_, '_> {
             && let Some(inner) = self.world.levels.get(instance.level as usize)
         {
             let ray = self.ray.transformed(&instance.inner_from_outer);
+            let ray = self.world.entering(inner, ray);
             self.leaves += self.world.touched_in(inner, &ray, self.probe, self.t_max);
         }
     }

@@ -4,9 +4,9 @@ use super::{Builder, Placing, SceneError};
 use crate::diag::{Code, nearest_names};
 use crate::scene::{Geometry, Group, GroupId, Material};
 
-/// What a `group`, `define` or `difference` block restores when it is left; see [`Builder::begin_group`].
+/// What a `group`, `define`, `difference` or `moving` block restores when it is left; see [`Builder::begin_group`].
 #[derive(Debug)]
-#[must_use = "hand it back to end_group, end_define or end_csg"]
+#[must_use = "hand it back to end_group, end_define, end_csg or end_moving"]
 pub struct GroupMark {
     depth: usize,
     floor: usize,

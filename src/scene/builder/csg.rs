@@ -57,7 +57,7 @@ impl Builder {
                         let (material, loc) = (first.material, group.loc);
                         let id = GroupId(self.scene.groups.len() as u32);
                         self.scene.groups.push(group);
-                        self.place_csg(Object {
+                        self.place_block(Object {
                             geometry: Geometry::Csg(id, op),
                             transform: TransformId::IDENTITY,
                             material,
@@ -75,7 +75,8 @@ impl Builder {
         made
     }
 
-    fn place_csg(&mut self, object: Object) -> Result<(), SceneError> {
+    /// Adds what a block made, counted as one.
+    pub(super) fn place_block(&mut self, object: Object) -> Result<(), SceneError> {
         self.primitives = self.primitives.saturating_add(1);
         if self.primitives > self.limits.primitives {
             let limit = self.limits.primitives;
@@ -114,14 +115,18 @@ impl Builder {
                     "each of its edges must belong to two triangles",
                 )
             }
-            Geometry::Instance(id) => {
+            Geometry::Instance(id) | Geometry::Moving(id) => {
                 let open =
                     open_object(&self.scene, *id).map(|object| (object.geometry.name(), object.loc.line));
                 let group = self.scene.groups.get(id.index());
                 let name = group.map_or("", |group| group.name.as_str());
+                let holder = match geometry {
+                    Geometry::Moving(_) => "what moves".to_owned(),
+                    _ => format!("\"{name}\""),
+                };
                 match open {
                     Some((what, line)) => refused(
-                        format!("\"{name}\" holds something without an inside, the {what} of line {line}"),
+                        format!("{holder} holds something without an inside, the {what} of line {line}"),
                         "all that is put together must be closed",
                     ),
                     None => Ok(()),
@@ -130,14 +135,16 @@ impl Builder {
         }
     }
 
-    /// Refuses lights where solids are put together.
+    /// Refuses lights where solids are put together, and in what moves.
     pub(super) fn require_no_solid(&self) -> Result<(), SceneError> {
-        match self.group.csg {
-            Some(op) => Err(SceneError::new(format!(
+        let refused =
+            |message: String| Err(SceneError::new(message).hint("make the light before or after the block"));
+        match (self.group.csg, self.group.motion) {
+            (Some(op), _) => refused(format!(
                 "a light is no part of a solid: {op} {{ }} cannot hold it"
-            ))
-            .hint("make the light before or after the block")),
-            None => Ok(()),
+            )),
+            (None, Some(_)) => refused("a light stands still: moving { } cannot hold it".to_owned()),
+            (None, None) => Ok(()),
         }
     }
 }

@@ -5,6 +5,7 @@
 mod blocks;
 mod csg;
 mod lights;
+mod moving;
 mod placing;
 mod queries;
 mod settings;

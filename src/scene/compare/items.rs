@@ -141,7 +141,7 @@ impl<'a> Contents<'a> {
         self.geometry(&mut digest, &object.geometry);
         let m = self.scene.world_from_object(object);
         digest.floats(m.to_cols_array());
-        if !matches!(object.geometry, Geometry::Instance(_) | Geometry::Csg(..)) {
+        if object.geometry.group().is_none() {
             digest.id(self.material(object.material));
         }
         digest.done()
@@ -164,6 +164,13 @@ impl<'a> Contents<'a> {
             Geometry::Mesh(id) => digest.id(self.meshes.get(id.index()).copied().unwrap_or(0)),
             Geometry::Instance(id) | Geometry::Csg(id, _) => {
                 digest.text(self.names.get(id.index()).map_or("", String::as_str));
+            }
+            Geometry::Moving(id) => {
+                digest.text(self.names.get(id.index()).map_or("", String::as_str));
+                let group = self.scene.groups.get(id.index());
+                if let Some(motion) = group.and_then(|group| group.motion) {
+                    digest.text(&motion.to_string());
+                }
             }
         }
     }
@@ -242,9 +249,9 @@ pub(super) fn objects<'a>(
             kind: kind.done(),
             form,
             matrix: matrix.done(),
-            looks: match object.geometry {
-                Geometry::Instance(_) | Geometry::Csg(..) => 0,
-                _ => contents.material(object.material),
+            looks: match object.geometry.group() {
+                Some(_) => 0,
+                None => contents.material(object.material),
             },
             at,
         }

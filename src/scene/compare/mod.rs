@@ -111,8 +111,8 @@ fn lone_group<'a>(
     report: &mut dyn FnMut(Change<'a>),
 ) {
     let group = contents.scene.groups.get(id.index());
-    // A solid that is put together is told of as the object that it is.
-    let Some(group) = group.filter(|group| group.csg.is_none()) else {
+    // A solid that is put together is told of as the object that it is, and so is what moves together.
+    let Some(group) = group.filter(|group| !group.is_in_place()) else {
         return;
     };
     report(Change {

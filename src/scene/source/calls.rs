@@ -68,7 +68,7 @@ impl Display for Call<'_> {
                 let name = self.names.get(id.index()).map_or("", String::as_str);
                 write!(f, "instance({});", Text(name))
             }
-            Geometry::Mesh(_) | Geometry::Csg(..) => Ok(()),
+            Geometry::Mesh(_) | Geometry::Csg(..) | Geometry::Moving(_) => Ok(()),
         }
     }
 }

@@ -269,6 +269,7 @@ impl Writer<'_> {
             }
             match object.geometry {
                 Geometry::Csg(id, op) => self.csg(&mut saved, id.index(), op)?,
+                Geometry::Moving(id) => self.moving(&mut saved, (object, next), id.index())?,
                 _ => self.placed(&mut saved, object, next)?,
             }
             self.order.see(self.scene, object);
@@ -294,7 +295,7 @@ impl Writer<'_> {
             return Ok(());
         };
         debug_assert!(id != ROOT_GROUP.index());
-        if group.csg.is_some() {
+        if group.is_in_place() {
             self.order.next_group = id + 1;
             return Ok(());
         }
@@ -332,34 +333,65 @@ impl Writer<'_> {
         self.call("}")
     }
 
+    /// The block of what moves together, under the matrix of the place from which it moves.
+    fn moving(&mut self, saved: &mut Vec<Saved>, (object, next): (&Object, u32), id: usize) -> fmt::Result {
+        let scene = self.scene;
+        let Some((group, motion)) = scene
+            .groups
+            .get(id)
+            .and_then(|group| Some((group, group.motion?)))
+        else {
+            return Ok(());
+        };
+        let load = self.matrix(saved, object, next)?;
+        let outside = load.map_or(String::new(), |load| format!("group {{ {load} "));
+        self.line(|out| write!(out, "{outside}moving {motion} {{"), group.loc)?;
+        let material = self.material;
+        self.depth += 1;
+        self.group(group, id)?;
+        self.defines_before(id)?;
+        self.depth -= 1;
+        self.material = material;
+        self.order.next_group = id + 1;
+        self.call(if outside.is_empty() { "}" } else { "} }" })
+    }
+
     /// An object under its matrix.
     fn placed(&mut self, saved: &mut Vec<Saved>, object: &Object, next: u32) -> fmt::Result {
+        let load = self.matrix(saved, object, next)?;
+        self.material(object)?;
+        self.object(load.as_deref(), object)
+    }
+
+    /// Makes the matrix of an object the current one, where others after it stand under it, too; the call that does so
+    /// for it alone where they do not.
+    fn matrix(
+        &mut self,
+        saved: &mut Vec<Saved>,
+        object: &Object,
+        next: u32,
+    ) -> Result<Option<String>, fmt::Error> {
         let id = object.transform;
         if let Some(at) = saved.iter().rposition(|s| s.transform == id) {
             self.restore(saved, at + 1)?;
             if let Some(saved) = saved.last_mut() {
                 saved.next = next;
             }
-            self.material(object)?;
-            return self.object(None, object);
+            return Ok(None);
         }
         let needed = saved.iter().rposition(|s| s.next != NEVER).map_or(0, |i| i + 1);
         self.restore(saved, needed)?;
         if id == TransformId::IDENTITY {
-            self.material(object)?;
-            let matrix = (!saved.is_empty()).then_some("loadIdentity();".to_owned());
-            return self.object(matrix.as_deref(), object);
+            return Ok((!saved.is_empty()).then_some("loadIdentity();".to_owned()));
         }
         let load = Load(&self.scene.world_from_object(object)).to_string();
         if next == NEVER {
-            self.material(object)?;
-            return self.object(Some(&load), object);
+            return Ok(Some(load));
         }
         self.call(format_args!("pushTransform(); {load}"))?;
         self.depth += 1;
         saved.push(Saved { transform: id, next });
-        self.material(object)?;
-        self.object(None, object)
+        Ok(None)
     }
 
     /// Goes back to where `depth` matrices are saved.

@@ -94,7 +94,7 @@ impl Order {
     pub(super) fn has_come(&self, scene: &Scene, object: &Object) -> bool {
         let geometry = match object.geometry {
             // Its parts are written in its place.
-            Geometry::Csg(id, _) => {
+            Geometry::Csg(id, _) | Geometry::Moving(id) => {
                 let first = scene
                     .groups
                     .get(id.index())
@@ -139,7 +139,11 @@ impl Order {
                     }
                 }
             }
-            Geometry::Shape(_) | Geometry::Mesh(_) | Geometry::Instance(_) | Geometry::Csg(..) => {}
+            Geometry::Shape(_)
+            | Geometry::Mesh(_)
+            | Geometry::Instance(_)
+            | Geometry::Csg(..)
+            | Geometry::Moving(_) => {}
         }
         self.transforms.see(object.transform.index());
         self.materials.see(object.material.index());
@@ -152,8 +156,8 @@ impl Order {
             let first = scene.groups.get(*id).and_then(|group| group.objects.first());
             first.is_none_or(|object| self.has_come(scene, object))
         };
-        // The parts of a solid are written where it stands.
-        let is_defined = |id: &usize| scene.groups.get(*id).is_none_or(|group| group.csg.is_none());
+        // The parts of a solid are written where it stands, and so is what moves.
+        let is_defined = |id: &usize| scene.groups.get(*id).is_none_or(|group| !group.is_in_place());
         let defined = || (self.next_group..bound).filter(is_defined);
         defined()
             .find(can_come)

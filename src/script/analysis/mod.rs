@@ -20,7 +20,7 @@ pub(crate) use symbols::{Symbol, SymbolKind};
 pub(crate) use tokens::{Token, TokenKind, is_word};
 
 /// Words that are no names.
-pub(crate) const KEYWORDS: [&str; 30] = [
+pub(crate) const KEYWORDS: [&str; 31] = [
     "as",
     "break",
     "catch",
@@ -42,6 +42,7 @@ pub(crate) const KEYWORDS: [&str; 30] = [
     "intersection",
     "let",
     "loop",
+    "moving",
     "private",
     "return",
     "switch",

@@ -15,6 +15,7 @@ mod lamps;
 mod lights;
 mod materials;
 mod maths;
+pub(super) mod moving;
 mod noise;
 mod numbers;
 mod output;
@@ -44,12 +45,13 @@ use rhai::Module;
 use super::table::{Entry, Kind, Param};
 
 /// Every list, in the order of the reference.
-pub(super) const ALL: [&[Entry]; 31] = [
+pub(super) const ALL: [&[Entry]; 32] = [
     edition::ENTRIES,
     camera::ENTRIES,
     views::ENTRIES,
     transform::ENTRIES,
     turning::ENTRIES,
+    moving::ENTRIES,
     shapes::ENTRIES,
     csg::ENTRIES,
     sdf::ENTRIES,

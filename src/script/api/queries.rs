@@ -9,7 +9,7 @@ use crate::{
     diag::{ErrorKind, SourceLoc},
     math::{Bounds3, DVec3, Ray},
     render::{Compiled, World},
-    scene::GroupId,
+    scene::{GroupId, Shutter},
     script::{
         call::Call,
         session::State,
@@ -96,7 +96,12 @@ fn ask<T>(state: &mut State, subject: Subject, question: impl FnOnce(&World<'_>)
             Subject::Definition(id) => state.builder.extract(id),
             Subject::SoFar => state.builder.scene_so_far(),
         };
-        let scene = scene.ok_or_else(|| ScriptError::new("there is no such definition"))?;
+        let mut scene = scene.ok_or_else(|| ScriptError::new("there is no such definition"))?;
+        // What moves is where its motion begins, whatever part of it the picture will show.
+        scene.camera.shutter = Shutter {
+            open: 0.0,
+            close: 0.0,
+        };
         let compiled = match Compiled::for_host(scene, Box::new(host)) {
             Ok(compiled) => compiled,
             Err(e) if e.diagnostic.kind == ErrorKind::Cancelled => return Err(state.stopped()),

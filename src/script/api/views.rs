@@ -129,10 +129,10 @@ pub(super) const ENTRIES: &[Entry] = &[
         .also(&["motionBlur", "cameraMotion", "pan", "dolly"]),
     Entry::scene(Group::Camera, "shutter", shutter)
         .takes(&[&[
-            number("open", "none", "when the shutter opens, as a share of the camera's motion"),
+            number("open", "none", "when the shutter opens, as a share of the motion"),
             number("close", "none", "when it closes, up to 1"),
         ]])
-        .doc("The part of the camera's motion that is seen: from open to close, where the motion goes from 0 to 1. A shutter that opens and closes at one time shows a single moment. Default: 0 and 1. The last call counts, for cameras that come after it as well.")
+        .doc("The part of the motion of the camera and of what is moving that is seen: from open to close, where the motion goes from 0 to 1. A shutter that opens and closes at one time shows a single moment. Default: 0 and 1. The last call counts, for cameras that come after it as well.")
         .usage("shutter(0, 0.5)")
         .example("size(160, 100);\ncamera([0, 1, 6], [0, 0, 0], [0, 1, 0], 40);\ncameraTo([0, 1, 3.5], [0, 0, 0]);\nshutter(0.5, 0.75);\nsamples(36);\nbackground(\"#cfe3f5\");\nambient(0.1, 0.1, 0.12);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\nfor i in 0..12 {\n  diffuse(hsv(i * 30, 0.6, 0.9));\n  group { rotate([0, 0, 1], i * 30); translate(1.4, 0, 0); sphere(0, 0, 0, 0.3); }\n}")
         .also(&["exposure", "shutterSpeed", "shutter_angle"]),

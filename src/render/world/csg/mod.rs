@@ -166,8 +166,9 @@ impl<'s> World<'s> {
         events: &mut Events<'a, 's>,
     ) -> bool {
         let from = events.len();
+        let ray = &self.entering(level, *ray);
         let endless = gather(self, level, base, ray, probe, events);
-        let solid = level.solid.unwrap_or(Solid {
+        let solid = level.solid().unwrap_or(Solid {
             op: CsgOp::Union,
             parts: 1,
         });
