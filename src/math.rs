@@ -128,6 +128,12 @@ impl Exponent {
     }
 }
 
+/// [`sin`] and [`cos`] of an angle in radians, to the bit, for little more than one of them.
+#[must_use]
+pub fn sin_cos(x: f64) -> (f64, f64) {
+    libm::sincos(x)
+}
+
 /// Sine and cosine of an angle in degrees; exact at multiples of 90, so that a quarter turn leaves no dust
 /// in a matrix.
 #[must_use]

@@ -32,6 +32,17 @@ impl Default for Crossings {
 pub trait CrossingSink {
     /// Takes a crossing at the ray parameter `t` on part `part` of the surface; NaN is dropped.
     fn push(&mut self, t: f64, part: u32);
+
+    /// The least and the greatest t between which crossings are of use. A shape to which each of them is work may leave
+    /// the others out.
+    fn span(&self) -> (f64, f64) {
+        (f64::NEG_INFINITY, f64::INFINITY)
+    }
+
+    /// Whether crossings beyond those that it was given are of no use.
+    fn is_served(&self) -> bool {
+        false
+    }
 }
 
 /// Keeps all of them, in the order in which they came.

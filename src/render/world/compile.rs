@@ -8,6 +8,7 @@ use super::{
     super::{around::Around, interrupt::Interrupt, lighting::Lamp},
     World,
     csg::Solid,
+    fields,
     kept::{KeptTrees, Key},
     level::{Instance, Level, PlacedShape, PlacedSphere, Primitive, Rare, TriangleRun, TriangleSource},
     placing::{normal_matrix, place, similarity},
@@ -80,7 +81,9 @@ impl<'s> World<'s> {
             keys: Vec::new(),
             interrupt,
         };
-        let compiled = compiler.groups();
+        let compiled = compiler
+            .groups()
+            .and_then(|()| fields::prepare(&mut compiler.levels, &scene.settings, interrupt));
         let shutter = scene.camera.shutter;
         let moving = |level: &Level<'_>| matches!(level.rare, Some(Rare::Moving(motion)) if motion.moves());
         let world = World {
@@ -89,6 +92,7 @@ impl<'s> World<'s> {
             time: shutter.time(0.5),
             levels: compiler.levels.into(),
             keys: compiler.keys,
+            fields: *compiled.as_ref().unwrap_or(&0),
             packets: true,
             interrupt: None,
             lamps: Lamp::of_all(scene).into(),
@@ -98,7 +102,7 @@ impl<'s> World<'s> {
             needs_width: scene.textures.iter().any(|texture| texture.asks_for_width()),
         };
         match (compiled, trees) {
-            (Ok(()), _) => Ok(world),
+            (Ok(_), _) => Ok(world),
             (Err(e), None) => Err(e),
             (Err(e), Some(trees)) => {
                 trees.take_back(world);

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     math::Ray,
-    shape::{Crossing, CrossingSink, Crossings, Sphere, triangle::TriangleRay},
+    shape::{Crossing, CrossingSink, Crossings, Shape, Sphere, triangle::TriangleRay},
 };
 
 /// One ray's tests of a level's primitives; each tells whether it ends the search.
@@ -91,9 +91,13 @@ impl<const ANY: bool> Exact<'_, '_, '_, ANY> {
             return false;
         }
         let mut crossings = Crossings::default();
-        placed
-            .shape
-            .crossings(&self.ray.transformed(&placed.object_from_level), &mut crossings);
+        if let Shape::Isosurface(_) = placed.shape {
+            crossings = placed.near_crossings(self.ray, self.query.probe, number, self.query.best.t, true);
+        } else {
+            placed
+                .shape
+                .crossings(&self.ray.transformed(&placed.object_from_level), &mut crossings);
+        }
         let t_min = self.query.probe.drop_start(number, &mut crossings);
         crossings
             .first_within(t_min, f64::INFINITY)

@@ -13,6 +13,7 @@
 mod compile;
 mod csg;
 mod exact;
+mod fields;
 mod kept;
 mod level;
 mod moving;
@@ -69,6 +70,8 @@ pub struct World<'s> {
     levels: Arc<[Level<'s>]>,
     /// What the tree of each level is made from; empty where nothing is kept.
     keys: Vec<kept::Key>,
+    /// Bytes of what is known beforehand of isosurfaces.
+    fields: u64,
     /// Rays that go together are traced in packets; off for tests that compare.
     pub(crate) packets: bool,
     /// Looked at where a single question may go on for very long: in instances of instances.
@@ -180,7 +183,7 @@ impl<'s> World<'s> {
     /// Bytes of the compiled form, without the scene it refers to.
     #[must_use]
     pub fn bytes(&self) -> u64 {
-        self.levels.iter().map(|level| level.bytes() as u64).sum()
+        self.levels.iter().map(|level| level.bytes() as u64).sum::<u64>() + self.fields
     }
 
     /// A box around everything; `None` where something has no end, or where there is nothing.

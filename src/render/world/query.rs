@@ -102,6 +102,15 @@ impl Probe {
         }
     }
 
+    /// From where on crossings matter to this primitive, and beyond which one counts whatever else there is.
+    pub(super) fn around_start(&self, number: u64) -> (f64, f64) {
+        if self.starts_on(number) {
+            (-self.t_self, self.t_self.max(self.t_min_self))
+        } else {
+            (self.t_min, self.t_min)
+        }
+    }
+
     /// Drops the start from its own primitive's crossings. The least distance that counts for this primitive.
     pub(super) fn drop_start(&self, number: u64, crossings: &mut Crossings) -> f64 {
         if !self.starts_on(number) {

@@ -16,7 +16,7 @@ use crate::{
     color::Color,
     math::{Ray, max_abs},
     render::polish::shadow_share,
-    shape::{CrossingSink, Crossings, Sphere, triangle::TriangleRay},
+    shape::{CrossingSink, Crossings, Shape, Sphere, triangle::TriangleRay},
 };
 
 /// What a shadow ray passes.
@@ -463,8 +463,14 @@ impl<'a, 's, C: Census> Walk<'a, 's, C> {
                 if !placed.may_cross(self.ray, self.probe.least(number), self.census.reach()) {
                     return Control::Continue;
                 }
-                let ray = self.ray.transformed(&placed.object_from_level);
-                placed.shape.crossings(&ray, &mut crossings);
+                if let Shape::Isosurface(_) = placed.shape {
+                    let is_opaque = !self.level.may_be_transparent(index);
+                    let reach = self.census.reach();
+                    crossings = placed.near_crossings(self.ray, self.probe, number, reach, is_opaque);
+                } else {
+                    let ray = self.ray.transformed(&placed.object_from_level);
+                    placed.shape.crossings(&ray, &mut crossings);
+                }
                 if crossings.is_cut() && self.level.may_be_transparent(index) {
                     self.census.lose_count();
                 }

@@ -282,6 +282,10 @@ impl Field {
         Ok(Self { steps: steps.into() })
     }
 
+    pub(super) fn steps(&self) -> &[Step] {
+        &self.steps
+    }
+
     /// How many steps it takes.
     #[must_use]
     pub fn len(&self) -> usize {

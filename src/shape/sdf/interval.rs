@@ -32,16 +32,12 @@ impl Interval {
         if lo <= hi { Self { lo, hi } } else { Self::ALL }
     }
 
-    /// As [`Interval::new`], a step larger at both ends.
+    /// As [`Interval::new`], larger at both ends by a step of f64 or two.
+    #[inline]
     fn outwards(lo: f64, hi: f64) -> Self {
-        if lo <= hi {
-            Self {
-                lo: lo.next_down(),
-                hi: hi.next_up(),
-            }
-        } else {
-            Self::ALL
-        }
+        // At least a step, which is at most so much of a number; without the branches of `next_up`.
+        let step = |x: f64| x.abs() * f64::EPSILON + f64::MIN_POSITIVE;
+        Self::new(lo - step(lo), hi + step(hi))
     }
 
     /// As [`Interval::outwards`], by as much as a function of `math` may be off.
@@ -52,8 +48,8 @@ impl Interval {
 
     pub(super) fn hull(self, other: Self) -> Self {
         Self {
-            lo: self.lo.min(other.lo),
-            hi: self.hi.max(other.hi),
+            lo: least(self.lo, other.lo),
+            hi: most(self.hi, other.hi),
         }
     }
 
@@ -80,6 +76,7 @@ impl Interval {
         }
     }
 
+    #[inline]
     pub(super) fn mul(self, other: Self) -> Self {
         let products = [
             self.lo * other.lo,
@@ -87,9 +84,19 @@ impl Interval {
             self.hi * other.lo,
             self.hi * other.hi,
         ];
-        // 0 times infinity: the end stands for numbers without bound, each of which gives 0.
-        let products = products.map(|x| if x.is_nan() { 0.0 } else { x });
         let [a, b, c, d] = products;
+        if (a + b + c + d).is_nan() {
+            return Self::of_endless(products);
+        }
+        Self::outwards(least(least(a, b), least(c, d)), most(most(a, b), most(c, d)))
+    }
+
+    /// From the products of the ends, some of which are infinite.
+    #[cold]
+    #[inline(never)]
+    fn of_endless(products: [f64; 4]) -> Self {
+        // 0 times infinity: the end stands for numbers without bound, each of which gives 0.
+        let [a, b, c, d] = products.map(|x| if x.is_nan() { 0.0 } else { x });
         Self::outwards(a.min(b).min(c.min(d)), a.max(b).max(c.max(d)))
     }
 
@@ -103,11 +110,11 @@ impl Interval {
             self.hi / other.lo,
             self.hi / other.hi,
         ];
+        let [a, b, c, d] = quotients;
         if quotients.iter().any(|x| x.is_nan()) {
             return Self::ALL;
         }
-        let [a, b, c, d] = quotients;
-        Self::outwards(a.min(b).min(c.min(d)), a.max(b).max(c.max(d)))
+        Self::outwards(least(least(a, b), least(c, d)), most(most(a, b), most(c, d)))
     }
 
     pub(super) fn square(self) -> Self {
@@ -133,15 +140,15 @@ impl Interval {
 
     pub(super) fn min(self, other: Self) -> Self {
         Self {
-            lo: self.lo.min(other.lo),
-            hi: self.hi.min(other.hi),
+            lo: least(self.lo, other.lo),
+            hi: least(self.hi, other.hi),
         }
     }
 
     pub(super) fn max(self, other: Self) -> Self {
         Self {
-            lo: self.lo.max(other.lo),
-            hi: self.hi.max(other.hi),
+            lo: most(self.lo, other.lo),
+            hi: most(self.hi, other.hi),
         }
     }
 
@@ -164,35 +171,58 @@ impl Interval {
     }
 
     pub(super) fn sin(self) -> Self {
-        self.wave(math::sin, 0.5 * math::PI)
+        self.sin_cos().0
     }
 
     pub(super) fn cos(self) -> Self {
-        self.wave(math::cos, 0.0)
+        self.sin_cos().1
     }
 
-    /// A wave of length 2 pi with its crest at `crest`.
-    fn wave(self, f: fn(f64) -> f64, crest: f64) -> Self {
+    /// Sine and cosine, for little more than one of them.
+    pub(super) fn sin_cos(self) -> (Self, Self) {
         const ONE: Interval = Interval { lo: -1.0, hi: 1.0 };
         // Beyond, places of crests are not known well enough.
         if !(self.width() < 2.0 * math::PI && self.lo.abs() < 1e6) {
-            return ONE;
+            return (ONE, ONE);
         }
-        // Crests are met where a whole number of waves lies between, with something added for the rounding of pi.
-        let waves = |x: f64, at: f64| (x - at) / (2.0 * math::PI);
-        let meets = |at: f64| {
-            let (first, last) = (waves(self.lo, at) - 1e-9, waves(self.hi, at) + 1e-9);
-            last.floor() >= first.ceil()
+        // In quarters of a wave crests and troughs of both lie at whole numbers. Something is added for the rounding of
+        // pi.
+        let quarters = |x: f64| x * (2.0 / math::PI);
+        let (first, last) = (ceil(quarters(self.lo) - 1e-9), floor(quarters(self.hi) + 1e-9));
+        // Whether one of these lies between that is `at` more than a multiple of 4.
+        let meets = |at: i64| first + (at - first).rem_euclid(4) <= last;
+        let ((sin_lo, cos_lo), (sin_hi, cos_hi)) = (math::sin_cos(self.lo), math::sin_cos(self.hi));
+        let wave = |a: f64, b: f64, crest: i64| {
+            let ends = Self::of_function(least(a, b), most(a, b));
+            Self {
+                lo: if meets(crest + 2) {
+                    -1.0
+                } else {
+                    most(ends.lo, -1.0)
+                },
+                hi: if meets(crest) { 1.0 } else { least(ends.hi, 1.0) },
+            }
         };
-        let (a, b) = (f(self.lo), f(self.hi));
-        let ends = Self::of_function(a.min(b), a.max(b));
-        Self {
-            lo: if meets(crest + math::PI) {
-                -1.0
-            } else {
-                ends.lo.max(-1.0)
-            },
-            hi: if meets(crest) { 1.0 } else { ends.hi.min(1.0) },
-        }
+        (wave(sin_lo, sin_hi, 1), wave(cos_lo, cos_hi, 0))
     }
+}
+
+/// The lesser of two numbers that are not NaN, which is a single instruction.
+fn least(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// The greater of two numbers that are not NaN.
+fn most(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// As `f64::floor`, of numbers that an i64 holds, without a call where the processor has no instruction for it.
+pub(super) fn floor(x: f64) -> i64 {
+    let whole = x as i64;
+    whole - i64::from(x < whole as f64)
+}
+
+fn ceil(x: f64) -> i64 {
+    -floor(-x)
 }

@@ -1,18 +1,28 @@
 //! Surfaces where a field is 0: signed distance fields and isosurfaces of any expression.
 
+mod cells;
 mod field;
 mod interval;
+mod line;
 mod noise;
-mod roots;
 mod scalar;
 mod solid;
+mod tape;
 #[cfg(test)]
 mod tests;
 
 pub use field::Field;
 pub use solid::Sdf;
 
-use self::{interval::Interval, roots::Line, scalar::Gradient};
+use std::{cell::RefCell, fmt, sync::OnceLock};
+
+use self::{
+    cells::Cells,
+    interval::Interval,
+    line::{Line, Memory},
+    scalar::Gradient,
+    tape::Tape,
+};
 use super::{CrossingSink, Solidity, Surface};
 use crate::{
     math::{Bounds3, DVec2, DVec3, Ray, max_abs},
@@ -26,14 +36,39 @@ use crate::{
 ///
 /// Crossings are found by interval arithmetic: none is missed, however thin the wall. Of each the place is that of the
 /// change of sign of the field as f64 has it, to the last digits.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone)]
 pub struct Isosurface {
     field: Field,
     bounds: Bounds3,
+    /// The field for rays, made for the first of them where nothing is prepared.
+    tape: OnceLock<Tape>,
+    /// What is known beforehand; it makes rays faster and changes nothing.
+    cells: Option<Box<Cells>>,
+}
+
+impl fmt::Debug for Isosurface {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Isosurface")
+            .field("field", &self.field)
+            .field("bounds", &self.bounds)
+            .finish()
+    }
+}
+
+impl PartialEq for Isosurface {
+    fn eq(&self, other: &Self) -> bool {
+        self.field == other.field && self.bounds == other.bounds
+    }
 }
 
 impl Solidity for Isosurface {
     const SOLID: bool = true;
+}
+
+thread_local! {
+    /// Memory of rays, used again.
+    static MEMORY: RefCell<Memory> = RefCell::default();
+    static GRADIENTS: RefCell<Vec<Gradient>> = const { RefCell::new(Vec::new()) };
 }
 
 /// Part of the surface where the field is 0; the faces of the box follow, low and high by axis.
@@ -64,7 +99,43 @@ impl Isosurface {
                 said[0], said[1]
             )));
         }
-        Ok(Self { field, bounds })
+        Ok(Self {
+            field,
+            bounds,
+            tape: OnceLock::new(),
+            cells: None,
+        })
+    }
+
+    /// The same with what rays need to find it faster, made by about so many `operations`; as it is where `is_stopped`
+    /// says so.
+    pub(crate) fn prepared(&self, operations: usize, is_stopped: &dyn Fn() -> bool) -> Self {
+        let cells = Cells::new(Tape::new(&self.field), &self.bounds, operations, is_stopped);
+        Self {
+            field: self.field.clone(),
+            bounds: self.bounds,
+            tape: OnceLock::new(),
+            cells: cells.map(Box::new),
+        }
+    }
+
+    /// What it has in common with others that need to be prepared but once: the very same field in the same box.
+    pub(crate) fn identity(&self) -> (usize, [u64; 6]) {
+        let [a, b, c] = self.bounds.min.to_array().map(f64::to_bits);
+        let [d, e, f] = self.bounds.max.to_array().map(f64::to_bits);
+        (self.field.steps().as_ptr().addr(), [a, b, c, d, e, f])
+    }
+
+    fn tape(&self) -> &Tape {
+        match &self.cells {
+            Some(cells) => cells.whole(),
+            None => self.tape.get_or_init(|| Tape::new(&self.field)),
+        }
+    }
+
+    /// Bytes of what was prepared.
+    pub(crate) fn prepared_bytes(&self) -> usize {
+        self.cells.as_ref().map_or(0, |cells| cells.bytes())
     }
 
     /// The field.
@@ -117,14 +188,40 @@ impl Isosurface {
         let Some([from, to]) = self.clip(ray).filter(|_| is_ray) else {
             return;
         };
-        let mut line = Line::new(&self.field, ray);
-        let (begin, end) = (line.at(from.0), line.at(to.0));
-        if begin.is_inside() {
-            out.push(from.0, from.1);
+        let (least, most) = out.span();
+        if !(least <= to.0 && from.0 <= most) {
+            return;
         }
-        line.changes(begin, end, |t| out.push(t, SURFACE));
-        if end.is_inside() {
-            out.push(to.0, to.1);
+        let mut memory = MEMORY.take();
+        let mut line = Line::new(ray, from.0, to.0, self.tape().len(), &mut memory);
+        let places = [line.before(least), (line.before(most) + 1).min(line.last())];
+        let faces = [from.1, to.1];
+        match &self.cells {
+            Some(cells) if cells.suits(ray, &self.bounds) => {
+                cells.changes(&mut line, places, faces, out);
+            }
+            _ => self.changes(&mut line, places, faces, out),
+        }
+        MEMORY.set(memory);
+    }
+
+    /// As [`Cells::changes`].
+    fn changes(
+        &self,
+        line: &mut Line<'_>,
+        [from, to]: [i64; 2],
+        faces: [u32; 2],
+        out: &mut impl CrossingSink,
+    ) {
+        let (begin, end) = (line.look(self.tape(), from), line.look(self.tape(), to));
+        if from == 0 && begin.is_inside() {
+            out.push(line.t(from), faces[0]);
+        }
+        if !out.is_served() {
+            line.changes(self.tape(), [begin, end], Interval::ALL, out, SURFACE);
+        }
+        if to == line.last() && end.is_inside() && !out.is_served() {
+            out.push(line.t(to), faces[1]);
         }
     }
 
@@ -162,7 +259,13 @@ impl Isosurface {
             })
         };
         let at = [next(), next(), next()];
-        let found = self.field.run(at, &mut Vec::new()).d;
+        let mut memory = GRADIENTS.take();
+        let known = self
+            .cells
+            .as_ref()
+            .and_then(|cells| cells.gradient(p, at, &mut memory));
+        let found = known.unwrap_or_else(|| self.tape().run(at, &mut memory)).d;
+        GRADIENTS.set(memory);
         let size = max_abs(found);
         if size > 0.0 && size.is_finite() {
             found / size

@@ -27,10 +27,24 @@ pub(super) trait Scalar: Copy {
     fn wrap(self, period: f64, most: f64) -> Self;
     /// Gradient noise at a point.
     fn noise(p: [Self; 3]) -> Self;
+
+    // With a constant, where that is less work than with any number; the same values.
+    fn add_constant(self, c: f64) -> Self {
+        self.add(Self::constant(c))
+    }
+    fn sub_constant(self, c: f64) -> Self {
+        self.sub(Self::constant(c))
+    }
+    fn mul_constant(self, c: f64) -> Self {
+        self.mul(Self::constant(c))
+    }
+    fn div_constant(self, c: f64) -> Self {
+        self.div(Self::constant(c))
+    }
 }
 
 /// The multiple that [`Scalar::wrap`] subtracts, in periods.
-fn cell(x: f64, period: f64, most: f64) -> f64 {
+pub(super) fn cell(x: f64, period: f64, most: f64) -> f64 {
     (x / period + 0.5).floor().clamp(-most, most)
 }
 
@@ -155,20 +169,35 @@ impl Scalar for Interval {
     }
 }
 
-/// A value with its slope along a ray, both as intervals.
+/// A value with its slopes in `N` directions, all as intervals: along a ray, or along the axes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Slope {
+pub(super) struct Slope<const N: usize> {
     pub(super) v: Interval,
-    pub(super) d: Interval,
+    pub(super) d: [Interval; N],
 }
 
 const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };
 
-impl Slope {
+impl<const N: usize> Slope<N> {
+    const LEVEL: [Interval; N] = [ZERO; N];
+
+    fn is_constant(&self) -> bool {
+        self.d == Self::LEVEL
+    }
+
+    /// Slopes from those of two.
+    fn both(self, other: Self, slope: impl Fn(Interval, Interval) -> Interval) -> [Interval; N] {
+        let mut d = self.d;
+        for (d, other) in d.iter_mut().zip(other.d) {
+            *d = slope(*d, other);
+        }
+        d
+    }
+
     /// A function of one number: its value, and its own slope there.
     fn chain(self, v: Interval, slope: Interval) -> Self {
         // A constant stays one, also where the slope has no bound.
-        let d = if self.d == ZERO { ZERO } else { slope.mul(self.d) };
+        let d = self.d.map(|d| if d == ZERO { ZERO } else { slope.mul(d) });
         Self { v, d }
     }
 
@@ -177,48 +206,48 @@ impl Slope {
         let d = match (takes_self, takes_other) {
             (true, false) => self.d,
             (false, true) => other.d,
-            _ => self.d.hull(other.d),
+            _ => self.both(other, Interval::hull),
         };
         Self { v, d }
     }
 }
 
-impl Scalar for Slope {
+impl<const N: usize> Scalar for Slope<N> {
     fn constant(x: f64) -> Self {
         Self {
             v: Interval::point(x),
-            d: ZERO,
+            d: Self::LEVEL,
         }
     }
     fn add(self, other: Self) -> Self {
         Self {
             v: self.v.add(other.v),
-            d: self.d.add(other.d),
+            d: self.both(other, Interval::add),
         }
     }
     fn sub(self, other: Self) -> Self {
         Self {
             v: self.v.sub(other.v),
-            d: self.d.sub(other.d),
+            d: self.both(other, Interval::sub),
         }
     }
     fn mul(self, other: Self) -> Self {
         Self {
             v: self.v.mul(other.v),
-            d: self.d.mul(other.v).add(self.v.mul(other.d)),
+            d: self.both(other, |a, b| a.mul(other.v).add(self.v.mul(b))),
         }
     }
     fn div(self, other: Self) -> Self {
         let v = self.v.div(other.v);
         Self {
             v,
-            d: self.d.sub(v.mul(other.d)).div(other.v),
+            d: self.both(other, |a, b| a.sub(v.mul(b)).div(other.v)),
         }
     }
     fn neg(self) -> Self {
         Self {
             v: self.v.neg(),
-            d: self.d.neg(),
+            d: self.d.map(Interval::neg),
         }
     }
     fn square(self) -> Self {
@@ -252,10 +281,12 @@ impl Scalar for Slope {
         self.chain(v, slope.hull(if self.v.lo > 0.0 { slope } else { ZERO }))
     }
     fn sin(self) -> Self {
-        self.chain(self.v.sin(), self.v.cos())
+        let (sin, cos) = self.v.sin_cos();
+        self.chain(sin, cos)
     }
     fn cos(self) -> Self {
-        self.chain(self.v.cos(), self.v.sin().neg())
+        let (sin, cos) = self.v.sin_cos();
+        self.chain(cos, sin.neg())
     }
     fn min(self, other: Self) -> Self {
         let (a, b) = (self.v.hi < other.v.lo, other.v.hi < self.v.lo);
@@ -267,39 +298,58 @@ impl Scalar for Slope {
     }
     fn hypot(self, other: Self) -> Self {
         let v = Scalar::hypot(self.v, other.v);
-        if self.d == ZERO && other.d == ZERO {
-            return Self { v, d: ZERO };
+        if self.is_constant() && other.is_constant() {
+            return Self { v, d: Self::LEVEL };
         }
-        // A length changes no faster than its vector does, also where it is 0 and has no slope.
-        let most = Scalar::hypot(self.d, other.d).hi;
-        let mut d = Interval::new(-most, most);
-        if v.lo > 0.0 {
-            let slope = self.v.mul(self.d).add(other.v.mul(other.d)).div(v);
-            d = Interval::new(slope.lo.max(d.lo), slope.hi.min(d.hi));
-        }
+        let d = self.both(other, |a, b| {
+            // A length changes no faster than its vector does, also where it is 0 and has no slope.
+            let most = Scalar::hypot(a, b).hi;
+            if v.lo > 0.0 {
+                let slope = self.v.mul(a).add(other.v.mul(b)).div(v);
+                Interval::new(slope.lo.max(-most), slope.hi.min(most))
+            } else {
+                Interval::new(-most, most)
+            }
+        });
         Self { v, d }
     }
     fn wrap(self, period: f64, most: f64) -> Self {
         let is_one = cell(self.v.lo, period, most) == cell(self.v.hi, period, most);
         let v = self.v.wrap(period, most);
         // It jumps from cell to cell.
-        let d = match is_one {
-            true => self.d,
-            false if self.d == ZERO => ZERO,
-            false => Interval::ALL,
-        };
+        let d = self
+            .d
+            .map(|d| if is_one || d == ZERO { d } else { Interval::ALL });
         Self { v, d }
     }
     fn noise(p: [Self; 3]) -> Self {
         let (v, slopes) = noise::bounds(p.map(|x| x.v));
-        let along = p.iter().zip(slopes).map(|(x, slope)| match x.d {
-            ZERO => ZERO,
-            d => slope.mul(d),
-        });
-        Self {
-            v,
-            d: along.fold(ZERO, Interval::add),
+        let mut d = Self::LEVEL;
+        for (x, slope) in p.iter().zip(slopes) {
+            for (d, along) in d.iter_mut().zip(x.d) {
+                if along != ZERO {
+                    *d = d.add(slope.mul(along));
+                }
+            }
         }
+        Self { v, d }
+    }
+
+    fn add_constant(self, c: f64) -> Self {
+        let v = self.v.add(Interval::point(c));
+        Self { v, ..self }
+    }
+    fn sub_constant(self, c: f64) -> Self {
+        let v = self.v.sub(Interval::point(c));
+        Self { v, ..self }
+    }
+    fn mul_constant(self, c: f64) -> Self {
+        self.chain(self.v.mul(Interval::point(c)), Interval::point(c))
+    }
+    fn div_constant(self, c: f64) -> Self {
+        let c = Interval::point(c);
+        let d = self.d.map(|d| if d == ZERO { ZERO } else { d.div(c) });
+        Self { v: self.v.div(c), d }
     }
 }
 

@@ -79,7 +79,7 @@ fn solid(rng: &mut Rng, depth: usize) -> Sdf {
 #[test]
 fn intervals_hold_every_value_and_every_slope() {
     let mut rng = Rng::new(11);
-    let mut bounded = 0;
+    let (mut bounded, mut less) = (0, 0);
     for round in 0..1_000 {
         let field = expression(&mut rng, 1 + round % 4);
         let size = rng.magnitude(-3.0, 0.5);
@@ -87,26 +87,40 @@ fn intervals_hold_every_value_and_every_slope() {
         let t = Interval::new(-size, size);
         let at = |o: f64, d: f64| Slope {
             v: Interval::point(o).add(Interval::point(d).mul(t)),
-            d: Interval::point(d),
+            d: [Interval::point(d)],
         };
         let point = [at(center.x, dir.x), at(center.y, dir.y), at(center.z, dir.z)];
-        let bounds = field.run(point, &mut Vec::new());
-        let values = field.run(point.map(|x| x.v), &mut Vec::new());
-        assert_eq!(values, bounds.v, "{field:?}");
+        let tape = Tape::new(&field);
+        let mut results = Vec::new();
+        let bounds = tape.run(point, &mut results);
+        let Slope { v: values, d: [rise] } = bounds;
+        let pruned = tape.within(&results);
         bounded += usize::from(values.width() < 100.0);
+        less += usize::from(pruned.is_some());
         let mut before: Option<f64> = None;
         for i in 0..=64 {
             let t = size * (f64::from(i) / 32.0 - 1.0);
-            let value = field.at(center + dir * t);
+            let p = center + dir * t;
+            let value = field.at(p);
+            let again = tape.run(p.to_array(), &mut Vec::new());
+            assert_eq!(value.to_bits(), again.to_bits(), "{value} {again}: {field:?}");
+            if let Some(pruned) = &pruned {
+                let again = pruned.run(p.to_array(), &mut Vec::new());
+                assert_eq!(
+                    value.to_bits(),
+                    again.to_bits(),
+                    "{value} {again}: {field:?} as {pruned:?}"
+                );
+            }
             assert!(
                 value.is_nan() || values.contains(value),
                 "{value} is beyond {values:?}: {field:?} at {center} + {dir} {t}"
             );
             // Of a continuous field the mean slope is one that there is; with the rounding of both values.
-            if let Some(before) = before.filter(|_| bounds.d.width().is_finite()) {
+            if let Some(before) = before.filter(|_| rise.width().is_finite()) {
                 let mean = (value - before) / (size / 32.0);
-                let slack = 1e-9 * (1.0 + bounds.d.lo.abs().max(bounds.d.hi.abs()) + value.abs() / size);
-                let widened = Interval::new(bounds.d.lo - slack, bounds.d.hi + slack);
+                let slack = 1e-9 * (1.0 + rise.lo.abs().max(rise.hi.abs()) + value.abs() / size);
+                let widened = Interval::new(rise.lo - slack, rise.hi + slack);
                 assert!(
                     mean.is_nan() || widened.contains(mean),
                     "{mean} is beyond {bounds:?}: {field:?}"
@@ -115,7 +129,13 @@ fn intervals_hold_every_value_and_every_slope() {
             before = Some(value);
         }
     }
-    assert!(bounded > 500, "{bounded}");
+    assert!(bounded > 500 && less > 100, "{bounded} {less}");
+}
+
+fn prepared(shape: &Isosurface) -> Isosurface {
+    let prepared = shape.prepared(1 << 13, &|| false);
+    assert!(prepared.cells.is_some());
+    prepared
 }
 
 fn crossings(shape: &Isosurface, ray: &Ray) -> Vec<Crossing> {
@@ -130,7 +150,8 @@ fn no_change_of_sign_is_missed() {
     let (mut met, mut lines) = (0, 0);
     for round in 0..60 {
         let sdf = solid(&mut rng, round % 4);
-        let shape = sdf.isosurface().unwrap();
+        let plain = sdf.isosurface().unwrap();
+        let shape = prepared(&plain);
         let bounds = shape.within();
         for _ in 0..12 {
             let mut within = || rng.within(0.0, 1.0);
@@ -138,6 +159,7 @@ fn no_change_of_sign_is_missed() {
             let dir = rng.direction();
             let ray = Ray::new(inner - dir * 20.0, dir * rng.magnitude(-1.0, 1.0));
             let found = crossings(&shape, &ray);
+            assert_eq!(found, crossings(&plain, &ray), "{ray:?} {sdf:?}");
             lines += 1;
             met += found.len();
             assert!(found.len().is_multiple_of(2), "{found:?}");
@@ -202,8 +224,10 @@ fn known_solids_are_crossed_where_their_formulas_say() {
     ];
     let mut met = 0;
     for (sdf, shape) in pairs {
-        let surface = sdf.isosurface().unwrap();
-        for _ in 0..1_000 {
+        let plain = sdf.isosurface().unwrap();
+        let prepared = prepared(&plain);
+        for round in 0..1_000 {
+            let surface = if round % 2 == 0 { &plain } else { &prepared };
             let (target, dir) = (rng.in_cube(), rng.direction());
             let ray = Ray::new(target - dir * 5.0, dir);
             let mut expected = Vec::new();
@@ -213,7 +237,7 @@ fn known_solids_are_crossed_where_their_formulas_say() {
             if expected.windows(2).any(|pair| pair[1].t - pair[0].t < 1e-4) {
                 continue;
             }
-            let found = crossings(&surface, &ray);
+            let found = crossings(surface, &ray);
             assert_eq!(
                 found.len(),
                 expected.len(),
@@ -239,13 +263,15 @@ fn known_solids_are_crossed_where_their_formulas_say() {
 #[test]
 fn a_thin_wall_is_met_by_every_ray() {
     let wall = Sdf::sphere(1.0).unwrap().hollowed(1e-4).unwrap();
-    let surface = wall.isosurface().unwrap();
+    let plain = wall.isosurface().unwrap();
+    let prepared = prepared(&plain);
     let mut rng = Rng::new(15);
-    for _ in 0..2_000 {
+    for round in 0..2_000 {
+        let surface = if round % 2 == 0 { &plain } else { &prepared };
         // Well inside of the ball, so that the wall is met twice from either side.
         let (inner, dir) = (rng.direction() * rng.within(0.0, 0.95), rng.direction());
         let ray = Ray::new(inner - dir * rng.within(2.0, 2_000.0), dir);
-        let found = crossings(&surface, &ray);
+        let found = crossings(surface, &ray);
         assert_eq!(found.len(), 4, "{found:?} {ray:?}");
     }
 }
@@ -325,4 +351,41 @@ fn what_is_too_long_or_endless_is_refused() {
         same.field().len() + 1,
         "what is alike is there once"
     );
+}
+
+#[test]
+fn what_is_known_beforehand_changes_no_bit() {
+    let mut rng = Rng::new(18);
+    let (mut met, mut cells) = (0, 0);
+    for round in 0..60 {
+        let plain = match round % 3 {
+            0 => {
+                let bounds = Bounds3::new(DVec3::splat(-1.5), DVec3::new(1.5, 1.0, 2.0));
+                let field = expression(&mut rng, 1 + round % 4);
+                Isosurface::new(field - rng.within(0.1, 0.5), bounds).unwrap()
+            }
+            _ => solid(&mut rng, round % 5).isosurface().unwrap(),
+        };
+        let surface = prepared(&plain);
+        cells += surface.cells.as_ref().map_or(0, |cells| cells.count());
+        let bounds = plain.within();
+        for _ in 0..200 {
+            let mut within = || rng.within(0.0, 1.0);
+            let inner = bounds.min + bounds.size() * DVec3::new(within(), within(), within());
+            let dir = match rng.below(8) {
+                0 => [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X][rng.below(4)],
+                _ => rng.direction(),
+            };
+            let far = rng.magnitude(-1.0, 2.0);
+            let ray = Ray::new(inner - dir * far, dir * rng.magnitude(-2.0, 2.0));
+            let (expected, found) = (crossings(&plain, &ray), crossings(&surface, &ray));
+            assert_eq!(expected, found, "{ray:?} {:?}", plain.field());
+            for Crossing { t, part } in found {
+                met += 1;
+                let normals = [&plain, &surface].map(|shape| shape.surface(ray.at(t), part).normal);
+                assert_eq!(normals[0], normals[1], "{ray:?} {:?}", plain.field());
+            }
+        }
+    }
+    assert!(met > 2_000 && cells > 2_000, "{met} {cells}");
 }
