@@ -127,11 +127,7 @@ impl<'a> Assets<'a> {
             );
             return Err(Diagnostic::error(ErrorKind::Input, message));
         }
-        if self.cache.files >= self.limits.files {
-            let what = format!("'{path}' is one file too many");
-            return Err(SceneError::limit(&what, "files", self.limits.files).into());
-        }
-        self.cache.files += 1;
+        self.count_file(path)?;
         // A drive letter is an absolute path for Windows only, but a path to nowhere for everyone.
         let mut parts = path.split('/');
         if parts.any(|part| matches!(part.as_bytes(), [letter, b':', ..] if letter.is_ascii_alphabetic())) {
@@ -186,6 +182,53 @@ impl<'a> Assets<'a> {
         };
         self.cache.textures.insert(key, Arc::clone(&texture));
         Ok(texture)
+    }
+
+    /// The picture in bytes that another file holds, `name` being what messages call it. It counts as a file.
+    ///
+    /// # Errors
+    /// As [`Assets::texture`].
+    pub(super) fn texture_within(&mut self, name: &str, bytes: &[u8]) -> Result<Arc<Texture>, Diagnostic> {
+        self.count_file(name)?;
+        let known = self
+            .kept()
+            .and_then(|kept| kept.texture(name, bytes, self.limits));
+        if let Some(texture) = known {
+            return Ok(texture);
+        }
+        let texture = Arc::new(Texture::Image(texture::decode(name, bytes, self.limits)?));
+        if let Some(kept) = self.kept() {
+            kept.keep_texture(name, bytes.to_vec(), self.limits, &texture);
+        }
+        Ok(texture)
+    }
+
+    /// As [`Assets::texture_within`], how solid the texels are: the width of the picture, and three times a byte for each.
+    ///
+    /// # Errors
+    /// As [`Assets::texture`].
+    pub(super) fn alpha_within(
+        &mut self,
+        name: &str,
+        bytes: &[u8],
+    ) -> Result<(u32, Vec<[u8; 3]>), Diagnostic> {
+        self.count_file(name)?;
+        texture::alpha(name, bytes, self.limits)
+    }
+
+    /// The copies of a picture for what is far away.
+    pub(super) fn pyramid(&mut self, texture: &Arc<Texture>, image: &ImageTexture) -> Arc<Pyramid> {
+        self.cache.pyramid(texture, image)
+    }
+
+    /// Counts a file that is read.
+    fn count_file(&mut self, path: &str) -> Result<(), Diagnostic> {
+        if self.cache.files >= self.limits.files {
+            let what = format!("'{path}' is one file too many");
+            return Err(SceneError::limit(&what, "files", self.limits.files).into());
+        }
+        self.cache.files += 1;
+        Ok(())
     }
 
     /// Width, height and, row by row from the top, how bright the stored numbers of the picture at `path` are, from 0 to 1:

@@ -43,6 +43,26 @@ struct File {
 enum Made {
     Texture(Arc<Texture>),
     Obj(Arc<Obj>),
+    Gltf(Arc<Gltf>),
+}
+
+/// What a glTF file holds: a mesh, and what must be looked up anew in each run.
+#[derive(Debug)]
+pub(super) struct Gltf {
+    /// Whether its materials were read.
+    pub(super) with_materials: bool,
+    /// The mesh, with the materials of the run that made it.
+    pub(super) mesh: Arc<Mesh>,
+    /// For each face, which of the materials that are used it has.
+    pub(super) slots: Vec<MaterialId>,
+    /// The materials of that run.
+    pub(super) ids: Vec<MaterialId>,
+    /// The numbers of the file's materials that are used.
+    pub(super) materials: Vec<usize>,
+    /// The files of its buffers and hashes of them.
+    pub(super) files: Vec<(String, blake3::Hash)>,
+    /// What was said of the file itself.
+    pub(super) warnings: Vec<Diagnostic>,
 }
 
 /// What an OBJ file holds: a mesh, and what must be looked up anew in each run.
@@ -91,7 +111,7 @@ impl KeptAssets {
     pub(super) fn texture(&self, path: &str, bytes: &[u8], limits: &Limits) -> Option<Arc<Texture>> {
         self.find(path, bytes, limits, |made| match made {
             Made::Texture(texture) => Some(Arc::clone(texture)),
-            Made::Obj(_) => None,
+            _ => None,
         })
     }
 
@@ -105,6 +125,20 @@ impl KeptAssets {
     ) -> Option<Arc<Obj>> {
         self.find(path, bytes, limits, |made| match made {
             Made::Obj(obj) if obj.with_materials == with_materials => Some(Arc::clone(obj)),
+            _ => None,
+        })
+    }
+
+    /// What was made of these bytes of a glTF file.
+    pub(super) fn gltf(
+        &self,
+        path: &str,
+        with_materials: bool,
+        bytes: &[u8],
+        limits: &Limits,
+    ) -> Option<Arc<Gltf>> {
+        self.find(path, bytes, limits, |made| match made {
+            Made::Gltf(gltf) if gltf.with_materials == with_materials => Some(Arc::clone(gltf)),
             _ => None,
         })
     }
@@ -138,11 +172,17 @@ impl KeptAssets {
         self.keep(path, bytes, limits, Made::Obj(Arc::new(obj)));
     }
 
+    /// Keeps what was made of a glTF file.
+    pub(super) fn keep_gltf(&self, path: &str, bytes: Vec<u8>, limits: &Limits, gltf: Gltf) {
+        self.keep(path, bytes, limits, Made::Gltf(Arc::new(gltf)));
+    }
+
     fn keep(&self, path: &str, bytes: Vec<u8>, limits: &Limits, made: Made) {
         let mut kept = self.kept();
         kept.decoded += 1;
         let same = |file: &File| match (&file.made, &made) {
             (Made::Obj(a), Made::Obj(b)) => a.with_materials == b.with_materials,
+            (Made::Gltf(a), Made::Gltf(b)) => a.with_materials == b.with_materials,
             (Made::Texture(_), Made::Texture(_)) => true,
             _ => false,
         };
@@ -177,19 +217,17 @@ impl File {
                     Texture::Image(image) => image.width as usize * image.height as usize * 3,
                     _ => 0,
                 },
-                Made::Obj(obj) => {
-                    let mesh = &*obj.mesh;
-                    let corners = 12 * mesh.triangles.len();
-                    let of_normals = mesh.normals.as_ref().map_or(0, |n| 24 * n.values.len() + corners);
-                    let of_uvs = mesh.uvs.as_ref().map_or(0, |n| 16 * n.values.len() + corners);
-                    24 * mesh.positions.len()
-                        + corners
-                        + of_normals
-                        + of_uvs
-                        + 4 * (mesh.face_materials.len() + obj.slots.len())
-                }
+                Made::Obj(obj) => size_of_mesh(&obj.mesh, &obj.slots),
+                Made::Gltf(gltf) => size_of_mesh(&gltf.mesh, &gltf.slots),
             }
     }
+}
+
+fn size_of_mesh(mesh: &Mesh, slots: &[MaterialId]) -> usize {
+    let corners = 12 * mesh.triangles.len();
+    let of_normals = mesh.normals.as_ref().map_or(0, |n| 24 * n.values.len() + corners);
+    let of_uvs = mesh.uvs.as_ref().map_or(0, |n| 16 * n.values.len() + corners);
+    24 * mesh.positions.len() + corners + of_normals + of_uvs + 4 * (mesh.face_materials.len() + slots.len())
 }
 
 fn that_count(limits: &Limits) -> (usize, u32, u64) {

@@ -5,6 +5,7 @@ use std::{borrow::Cow, ops::Range, sync::Arc};
 use super::{
     assembly,
     assets::Assets,
+    gltf,
     guard::{self, Checked, Ignored},
     kept::{Obj, OwnedNames},
     look,
@@ -53,11 +54,17 @@ pub fn load_obj_shape(
 }
 
 /// Reads a mesh from a file of any kind that is known: an OBJ file as [`load_obj`] does, a PLY file (ascii or binary, with
-/// normals and texture coordinates) or an STL file (ascii or binary, flat). Which it is, is told by how the file begins, and
-/// where that says nothing by the ending of its name.
+/// normals and texture coordinates), an STL file (ascii or binary, flat) or a glTF 2.0 file (`.gltf` or `.glb`). Which it is, is
+/// told by how the file begins, and where that says nothing by the ending of its name.
+///
+/// Of a glTF file the meshes of its scene become one, each where its node stands, in the pose that the nodes have: skins, morph
+/// targets and animations are warned of. Its materials become terms of ours: what is no metal has a diffuse color under a mirror
+/// by Fresnel's equations, metals a conductor of their color, or where metal and other things alternate by a texture, a mirror
+/// that is the same at all angles; roughness, relief, emission, varnish, glass, and transparency by `alphaMode`.
 ///
 /// # Errors
-/// As [`load_obj`]; where a file is binary, the message names the byte.
+/// As [`load_obj`]; where a file is binary, the message names the byte, and of a glTF file the way to what is wrong, as
+/// `meshes[3].primitives[0]`.
 pub fn load_mesh(
     path: &str,
     assets: &mut Assets<'_>,
@@ -154,6 +161,11 @@ fn load(
         return Ok(mesh);
     }
     let bytes = assets.read(path)?;
+    if kinds == Kinds::All && gltf::is_gltf(path, &bytes) {
+        let mesh = gltf::load(path, bytes, with_materials, assets, builder)?;
+        assets.keep_mesh(path, light, &mesh);
+        return Ok(mesh);
+    }
     let plain = reader(path, &bytes).filter(|_| kinds == Kinds::All);
     let known = assets
         .kept()
@@ -242,7 +254,7 @@ fn mesh_again(
 }
 
 /// Gives each face the material in its slot of the file's names.
-fn set_materials(mesh: &mut Mesh, ids: &[MaterialId]) {
+pub(super) fn set_materials(mesh: &mut Mesh, ids: &[MaterialId]) {
     for id in &mut mesh.face_materials {
         *id = ids.get(id.index()).copied().unwrap_or(MaterialId::INHERIT);
     }

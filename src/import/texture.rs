@@ -34,6 +34,17 @@ pub(super) fn decode(name: &str, bytes: &[u8], limits: &Limits) -> Result<ImageT
     })
 }
 
+/// The width of a picture and, row by row from the top, how solid its texels are, three times each: 255 where the picture does
+/// not say.
+///
+/// # Errors
+/// As [`decode`]; a Radiance picture is refused.
+pub(super) fn alpha(name: &str, bytes: &[u8], limits: &Limits) -> Result<(u32, Vec<[u8; 3]>), Diagnostic> {
+    let picture = decoded(name, bytes, limits, DynamicImage::into_rgba8)?;
+    let (texels, _) = picture.as_raw().as_chunks::<4>();
+    Ok((picture.width(), texels.iter().map(|[.., a]| [*a; 3]).collect()))
+}
+
 /// Width, height and, row by row from the top, how bright the numbers are that a picture stores: 0 for black, 1 for white.
 /// 16 bits are kept. Colors count with the weights of Rec. 709.
 ///

@@ -133,7 +133,7 @@ fn arrays_that_make_no_mesh() {
         ),
         (
             "5",
-            "mesh: it takes the name of an OBJ, PLY or STL file or a map of arrays, not a number",
+            "mesh: it takes the name of an OBJ, PLY, STL or glTF file or a map of arrays, not a number",
         ),
     ] {
         let e = try_run(&format!("mesh({data});")).unwrap_err();

@@ -36,7 +36,22 @@ pub(super) fn is_named(scene: &Scene) -> Vec<bool> {
     if let Some(used) = of_environment.and_then(|id| by_objects.get_mut(id.index())) {
         *used = true;
     }
-    let by_faces = used(&mut faces.copied());
+    let mut by_faces = used(&mut faces.copied());
+    // What a file's textures are made of came with them. The parts of a texture stand before it.
+    for i in (0..by_faces.len()).rev() {
+        if by_faces.get(i) == Some(&true)
+            && let Some(texture) = scene.textures.get(i)
+        {
+            for part in texture.parts() {
+                let number = scene
+                    .texture_number(part)
+                    .and_then(|number| by_faces.get_mut(number));
+                if let Some(used) = number {
+                    *used = true;
+                }
+            }
+        }
+    }
     let both = by_objects.into_iter().zip(by_faces);
     both.map(|(by_object, by_face)| by_object || !by_face).collect()
 }

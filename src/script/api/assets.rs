@@ -33,17 +33,17 @@ const MESH_OPTIONS: [&str; 1] = ["materials"];
 pub(super) const ENTRIES: &[Entry] = &[
     Entry::scene(Group::Assets, "mesh", mesh)
         .takes(&[
-            &[string("file", "an OBJ, PLY or STL file, relative to the script that names it")],
+            &[string("file", "an OBJ, PLY, STL or glTF file, relative to the script that names it")],
             &[map("data", "positions, and any of indices, normals, normalIndices, uvs and uvIndices").keys(&KEYS)],
             &[
-                string("file", "an OBJ, PLY or STL file, relative to the script that names it"),
+                string("file", "an OBJ, PLY, STL or glTF file, relative to the script that names it"),
                 map("options", "materials: whether to read the file's materials; true unless given").keys(&MESH_OPTIONS),
             ],
         ])
-        .doc("A triangle mesh: from a file, OBJ with its normals, materials and textures, PLY with normals and texture coordinates, or STL; with #{ materials: false } its shape alone, in the current material; or from arrays. positions and normals are points or one flat list, uvs are pairs or one flat list, each also a blob of floats as write_le writes them; indices count from 0, three for each triangle. Without indices every three positions are a triangle; without normals the mesh is flat. normals and uvs belong to the positions, one each, unless normalIndices or uvIndices say for each corner of the triangles which of them it has, -1 for none.")
+        .doc("A triangle mesh: from a file, OBJ with its normals, materials and textures, PLY with normals and texture coordinates, STL, or glTF 2.0 (.gltf or .glb), the meshes of its scene where its nodes place them, with materials of metal and roughness and their textures; with #{ materials: false } its shape alone, in the current material; or from arrays. positions and normals are points or one flat list, uvs are pairs or one flat list, each also a blob of floats as write_le writes them; indices count from 0, three for each triangle. Without indices every three positions are a triangle; without normals the mesh is flat. normals and uvs belong to the positions, one each, unless normalIndices or uvIndices say for each corner of the triangles which of them it has, -1 for none.")
         .usage("mesh(#{ positions: [[0, 0, 0], [1, 0, 0], [0, 1, 0]] })")
         .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.85, 0.6, 0.25);\ngroup {\n  translate(-1.2, -0.7, 0);\n  rotate(0, 1, 0, 25);\n  mesh(#{                       // a tent\n    positions: [[-1, 0, 1], [1, 0, 1], [0, 1.5, 1], [-1, 0, -1], [1, 0, -1], [0, 1.5, -1]],\n    indices: [0, 1, 2,  1, 4, 5,  1, 5, 2,  0, 2, 5,  0, 5, 3,  3, 5, 4],\n  });\n}\ndiffuse(0.2, 0.5, 0.7);\ntranslate(1.2, 0, 0); rotate(0, 1, 0, 20); scale(0.7);\nmesh(\"tetrahedron.obj\");")
-        .also(&["obj", "ply", "stl", "model", "loadObj", "import", "triangleMesh"]),
+        .also(&["obj", "ply", "stl", "gltf", "glb", "pbr", "model", "loadObj", "import", "triangleMesh"]),
     Entry::scene(Group::Assets, "image", image)
         .takes(&[
             &[string("file", "a PNG, JPEG or Radiance (.hdr) file, relative to the script that names it")],
@@ -182,7 +182,7 @@ fn mesh(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     } else {
         return Err(call
             .error(format!(
-                "it takes the name of an OBJ, PLY or STL file or a map of arrays, not {}",
+                "it takes the name of an OBJ, PLY, STL or glTF file or a map of arrays, not {}",
                 kind_of(given)
             ))
             .hint(format!("for example {}", call.entry.usage)));
