@@ -22,6 +22,8 @@ mod packet;
 mod placing;
 mod query;
 mod shaft;
+#[cfg(test)]
+mod suite;
 mod surface;
 #[cfg(test)]
 mod tests;

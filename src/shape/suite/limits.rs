@@ -2,14 +2,20 @@
 
 use super::{
     super::{Capsule, Cone, Cuboid, Cylinder, Disk, Polygon, RoundedBox, Sphere, Torus},
-    Rng, all_crossings, extent, samples,
+    Rng, Subject, all_crossings, samples,
+    subject::Alone,
 };
 use crate::math::{DVec3, Ray};
 
 #[test]
 fn rays_that_are_none_meet_nothing() {
     for shape in samples(1.0) {
-        let inside = extent(&shape, 1.0).1;
+        let inside = Alone {
+            shape: &shape,
+            s: 1.0,
+        }
+        .extent()
+        .1;
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             for i in 0..3 {
                 for dir in [DVec3::new(0.3, -0.5, 0.7), DVec3::X, DVec3::Y, DVec3::Z] {

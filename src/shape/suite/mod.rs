@@ -1,7 +1,8 @@
 //! What every shape promises, tested over every shape of the list with the same seeded random rays.
 //!
 //! A new shape joins by a line in [`samples`] and one in each function of [`reference`]; a test insists on
-//! the first, the compiler on the others.
+//! the first, the compiler on the others. What is no shape, a scene with solids and closed meshes in it, joins as another
+//! [`Subject`]: `render/world/suite.rs`.
 
 mod curved;
 mod edges;
@@ -10,29 +11,35 @@ mod exact;
 mod limits;
 mod properties;
 mod reference;
+pub(crate) mod shared;
+mod subject;
 mod transforms;
+
+pub(crate) use edges::{inner_points, leaks};
+pub(crate) use subject::{Met, Subject};
 
 use std::sync::Arc;
 
+use self::{shared::Case, subject::Alone};
 use super::{
     Blob, BlobPart, Capsule, Cone, Crossing, Cuboid, Cylinder, Disk, Lathe, Plane, Polygon, Prism, Quadric,
     RoundedBox, Sdf, Shape, Sphere, SphereSweep, Superellipsoid, Torus,
 };
 use crate::{
-    math::{self, Bounds3, DMat3, DVec2, DVec3, PI, Ray, max_abs},
+    math::{self, Bounds3, DMat3, DVec2, DVec3, PI, Ray},
     spline::Spline,
 };
 
 /// Seeded random numbers: SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number
 /// generators", 2014).
-pub(super) struct Rng(u64);
+pub(crate) struct Rng(u64);
 
 impl Rng {
-    pub(super) fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Self(seed)
     }
 
-    pub(super) fn bits(&mut self) -> u64 {
+    pub(crate) fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -40,24 +47,24 @@ impl Rng {
     }
 
     /// In [0, 1).
-    pub(super) fn unit(&mut self) -> f64 {
+    pub(crate) fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    pub(super) fn within(&mut self, lo: f64, hi: f64) -> f64 {
+    pub(crate) fn within(&mut self, lo: f64, hi: f64) -> f64 {
         lo + (hi - lo) * self.unit()
     }
 
-    pub(super) fn below(&mut self, n: usize) -> usize {
+    pub(crate) fn below(&mut self, n: usize) -> usize {
         (self.bits() % n as u64) as usize
     }
 
-    pub(super) fn chance(&mut self, p: f64) -> bool {
+    pub(crate) fn chance(&mut self, p: f64) -> bool {
         self.unit() < p
     }
 
     /// A point of the cube [-1, 1]^3.
-    pub(super) fn in_cube(&mut self) -> DVec3 {
+    pub(crate) fn in_cube(&mut self) -> DVec3 {
         DVec3::new(
             self.within(-1.0, 1.0),
             self.within(-1.0, 1.0),
@@ -66,7 +73,7 @@ impl Rng {
     }
 
     /// A unit vector, uniform over the sphere (Archimedes' hat box).
-    pub(super) fn direction(&mut self) -> DVec3 {
+    pub(crate) fn direction(&mut self) -> DVec3 {
         let y = self.within(-1.0, 1.0);
         let phi = self.within(0.0, 2.0 * PI);
         let r = (1.0 - y * y).sqrt();
@@ -74,11 +81,11 @@ impl Rng {
     }
 
     /// A power of ten with an exponent from `lo` to `hi`.
-    pub(super) fn magnitude(&mut self, lo: f64, hi: f64) -> f64 {
+    pub(crate) fn magnitude(&mut self, lo: f64, hi: f64) -> f64 {
         math::pow(10.0, self.within(lo, hi))
     }
 
-    pub(super) fn rotation(&mut self) -> DMat3 {
+    pub(crate) fn rotation(&mut self) -> DMat3 {
         let (axis, degrees) = (self.direction(), self.within(0.0, 360.0));
         math::rotation(axis, degrees)
     }
@@ -290,38 +297,6 @@ fn blobs(s: f64) -> Vec<Shape> {
         .collect()
 }
 
-/// Half the longest edge of the bounds and their center; for the plane that of its interesting part.
-fn extent(shape: &Shape, s: f64) -> (f64, DVec3) {
-    shape
-        .bounds()
-        .map_or((s, DVec3::ZERO), |b| (max_abs(b.size()) * 0.5, b.center()))
-}
-
-/// A ray that means to meet the shape: at any point of its bounds or just beside, often exactly at an edge,
-/// a rim or the center of them, often along an axis, from near and from far, with a direction of any length.
-fn random_ray(shape: &Shape, s: f64, rng: &mut Rng) -> Ray {
-    let (size, center) = extent(shape, s);
-    let half = shape.bounds().map_or(DVec3::splat(s), |b| b.size() * 0.5);
-    let snapped = [-1.0, 0.0, 1.0];
-    let mut coordinate = |half: f64| {
-        half * if rng.chance(0.2) {
-            snapped[rng.below(3)]
-        } else {
-            rng.within(-1.2, 1.2)
-        }
-    };
-    let target = center + DVec3::new(coordinate(half.x), coordinate(half.y), coordinate(half.z));
-    let mut dir = rng.direction();
-    if rng.chance(0.2) {
-        dir[rng.below(3)] = 0.0;
-        if rng.chance(0.5) {
-            dir = [DVec3::X, DVec3::NEG_Y, DVec3::Z][rng.below(3)];
-        }
-    }
-    let origin = target - dir * size * rng.magnitude(-2.0, 3.0);
-    Ray::new(origin, dir * rng.magnitude(-6.0, 6.0))
-}
-
 /// Whether the shape is made of curves or of polynomials of a high degree.
 fn is_curved(shape: &Shape) -> bool {
     matches!(
@@ -330,42 +305,15 @@ fn is_curved(shape: &Shape) -> bool {
     )
 }
 
-/// What to say of a ray that is not answered right.
-struct Label<'a> {
-    number: usize,
-    shape: &'a Shape,
-    ray: &'a Ray,
-    found: &'a [Crossing],
-}
-
-impl std::fmt::Display for Label<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Label {
-            number,
-            shape,
-            ray,
-            found,
-        } = self;
-        write!(f, "ray {number} {ray:?} on {shape:?}: {found:?}")
-    }
-}
-
-/// Calls `check` with every shape at five scales, its crossings with many rays, and a label for messages. Shapes of
-/// curves, of which everything takes longer, get fewer rays.
-fn for_all(rays: usize, mut check: impl FnMut(&Shape, f64, &Ray, &[Crossing], &Label)) {
+/// Calls `check` with many rays on every shape at five scales. Shapes of curves, of which everything takes longer, get
+/// fewer rays.
+fn for_all(rays: usize, mut check: impl FnMut(&Shape, &Case<'_>)) {
     let mut rng = Rng::new(1);
     for s in [1e-6, 1e-3, 1.0, 1e3, 1e6] {
         for shape in samples(s) {
-            for number in 0..if is_curved(&shape) { rays / 50 } else { rays } {
-                let ray = random_ray(&shape, s, &mut rng);
-                let found = all_crossings(&shape, &ray);
-                let label = Label {
-                    number,
-                    shape: &shape,
-                    ray: &ray,
-                    found: &found,
-                };
-                check(&shape, s, &ray, &found, &label);
+            let alone = Alone { shape: &shape, s };
+            for _ in 0..if is_curved(&shape) { rays / 50 } else { rays } {
+                check(&shape, &Case::random(&alone, &mut rng));
             }
         }
     }

@@ -73,8 +73,10 @@ fn distance_to_edges(points: &[DVec3], p: DVec3) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Distance to the nearest edge, rim or tip where parts or sides meet; infinite where there is none.
+/// Distance to the nearest edge or rim where parts or sides meet, and how far a surface with a tip is from its axis, which
+/// tells how bent it is there; infinite where there is none.
 pub(super) fn edge_distance(shape: &Shape, p: DVec3) -> f64 {
+    let from_axis = DVec2::new(p.x, p.z).length();
     let ring = |r: f64, y: f64| DVec2::new(DVec2::new(p.x, p.z).length() - r, p.y - y).length();
     match shape {
         Shape::Cuboid(c) => {
@@ -83,9 +85,9 @@ pub(super) fn edge_distance(shape: &Shape, p: DVec3) -> f64 {
             q[1]
         }
         Shape::Cylinder(c) => ring(c.radius(), c.height() * 0.5).min(ring(c.radius(), -c.height() * 0.5)),
-        Shape::Cone(c) => ring(c.radius(), -c.height() * 0.5).min(ring(0.0, c.height() * 0.5)),
+        Shape::Cone(c) => ring(c.radius(), -c.height() * 0.5).min(from_axis),
         Shape::Disk(d) => ring(d.radius(), 0.0),
-        Shape::Torus(t) if t.major() == t.minor() => p.length(),
+        Shape::Torus(t) if t.major() == t.minor() => from_axis,
         Shape::Polygon(polygon) => distance_to_edges(polygon.points(), p),
         Shape::Sphere(_) | Shape::Torus(_) | Shape::Plane(_) | Shape::Isosurface(_) => f64::INFINITY,
         _ => super::curved::edge_distance(shape, p),

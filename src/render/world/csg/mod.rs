@@ -14,6 +14,8 @@
 
 mod events;
 mod gather;
+#[cfg(test)]
+mod line;
 
 use self::{
     events::{Event, Events},
