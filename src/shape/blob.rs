@@ -2,7 +2,7 @@
 
 use super::{
     CrossingSink, Solidity, Surface, coordinate,
-    pieces::{Frame, Line, Tree, holds, line_meets},
+    pieces::{Framed, Line, holds, line_meets},
     positive,
     roots::{Bernstein, product},
     u_around_y,
@@ -24,11 +24,7 @@ use crate::{
 pub struct Blob {
     threshold: f64,
     parts: Vec<BlobPart>,
-    frame: Frame,
-    /// In the frame.
-    framed: Vec<BlobPart>,
-    tree: Tree,
-    bounds: Bounds3,
+    framed: Framed<BlobPart>,
 }
 
 /// A ball or a rod of a [`Blob`].
@@ -121,7 +117,7 @@ impl Blob {
             .hint("several blobs may stand side by side"));
         }
         for (i, part) in parts.iter().enumerate() {
-            positive(&format!("the blob's part {i}: radius"), part.radius)?;
+            positive(format_args!("the blob's part {i}: radius"), part.radius)?;
             coordinate(format_args!("the blob's part {i}: strength"), part.strength)?;
             for x in part.from.to_array().into_iter().chain(part.to.to_array()) {
                 coordinate(format_args!("the blob's part {i}: center"), x)?;
@@ -137,24 +133,21 @@ impl Blob {
             ));
         }
         parts.sort_by_key(|part| !part.is_ball());
-        let frame = Frame::around(&bounds);
-        let framed: Vec<BlobPart> = parts
-            .iter()
-            .map(|part| BlobPart {
+        let framed = Framed::new(
+            bounds,
+            parts.iter().copied(),
+            |frame, part| BlobPart {
                 from: frame.of(part.from),
                 to: frame.of(part.to),
                 radius: part.radius / frame.scale(),
-                strength: part.strength,
-            })
-            .collect();
-        let boxes: Vec<Bounds3> = framed.iter().map(BlobPart::bounds).collect();
+                ..part
+            },
+            BlobPart::bounds,
+        );
         Ok(Self {
             threshold,
             parts,
-            frame,
-            tree: Tree::new(&boxes),
             framed,
-            bounds,
         })
     }
 
@@ -171,24 +164,20 @@ impl Blob {
     }
 
     pub(super) fn bounds(&self) -> Option<Bounds3> {
-        Some(self.bounds)
+        Some(self.framed.bounds())
     }
 
     /// Along the line, a part's density is made of fourth powers, each from one way to another. Between neighbouring
     /// ends of those ways the sum is one polynomial, whose signs tell where it passes the threshold. What they say at the
     /// beginning of a stretch is held against the end of the one before, so that the number is even.
     pub(super) fn crossings(&self, ray: &Ray, out: &mut impl CrossingSink) {
-        let Some(line) = self.frame.line(ray) else {
+        let Some(line) = self.framed.frame().line(ray) else {
             return;
         };
         let mut stretches = Vec::new();
-        self.tree.each(
+        self.framed.each(
             |b| line_meets(&line.ray, b),
-            |i| {
-                if let Some(part) = self.framed.get(i as usize) {
-                    add_stretches(part, &line, &mut stretches);
-                }
-            },
+            |_, part| add_stretches(part, &line, &mut stretches),
         );
         stretches.sort_by(|a, b| a.from.total_cmp(&b.from).then(a.to.total_cmp(&b.to)));
         let mut ends: Vec<f64> = stretches.iter().flat_map(|s| [s.from, s.to]).collect();
@@ -224,24 +213,22 @@ impl Blob {
 
     #[inline]
     pub(super) fn normal(&self, p: DVec3) -> DVec3 {
-        let q = self.frame.of(p);
+        let q = self.framed.frame().of(p);
         let mut normal = DVec3::ZERO;
-        self.tree.each(
+        self.framed.each(
             |b| holds(b, q),
-            |i| {
-                if let Some(part) = self.framed.get(i as usize) {
-                    let off = part.off(q);
-                    let square = 1.0 / (part.radius * part.radius);
-                    let depth = (1.0 - off.dot(off) * square).max(0.0);
-                    normal += off * (part.strength * depth * square);
-                }
+            |_, part| {
+                let off = part.off(q);
+                let square = 1.0 / (part.radius * part.radius);
+                let depth = (1.0 - off.dot(off) * square).max(0.0);
+                normal += off * (part.strength * depth * square);
             },
         );
         if normal == DVec3::ZERO { DVec3::Y } else { normal }
     }
 
     pub(super) fn surface(&self, p: DVec3, _part: u32) -> Surface {
-        let q = p - self.frame.center();
+        let q = p - self.framed.frame().center();
         let rho = (q.x * q.x + q.z * q.z).sqrt();
         Surface {
             normal: self.normal(p),

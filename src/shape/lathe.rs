@@ -1,8 +1,8 @@
 //! The lathe: a profile turned around Y.
 
 use super::{
-    CrossingSink, Solidity, Surface, coordinate,
-    pieces::{Frame, Line, Tree},
+    CrossingSink, Solidity, Surface, coordinates,
+    pieces::{Framed, Line},
     roots::{Bernstein, Bounded, Range, cubic_between, hull, nearest, sign_changes, slopes, times},
     u_around_y,
 };
@@ -27,11 +27,7 @@ pub struct Lathe {
     points: Vec<[f64; 2]>,
     spline: Spline,
     closed: bool,
-    frame: Frame,
-    /// In the frame.
-    pieces: Vec<Piece<2>>,
-    tree: Tree,
-    bounds: Bounds3,
+    profile: Framed<Piece<2>>,
     is_solid: bool,
 }
 
@@ -62,9 +58,7 @@ impl Lathe {
     /// the radius 0.
     pub fn new(points: Vec<[f64; 2]>, spline: Spline, closed: bool) -> Result<Self, SceneError> {
         for (i, point) in points.iter().enumerate() {
-            for (x, axis) in point.iter().zip(["radius", "y"]) {
-                coordinate(format_args!("the lathe's points[{i}], {axis},"), *x)?;
-            }
+            coordinates(format_args!("the lathe's points[{i}]"), point, ["radius", "y"])?;
             if point[0] < 0.0 && spline != Spline::Bezier {
                 return Err(SceneError::new(format!(
                     "the lathe's points[{i}], radius, must not be negative, but it is {}",
@@ -88,30 +82,24 @@ impl Lathe {
             DVec3::new(-largest, low, -largest),
             DVec3::new(largest, high, largest),
         );
-        let frame = Frame::around(&bounds);
         let is_solid = closed
             || matches!((pieces.first(), pieces.last()), (Some(a), Some(b)) if a.0[0][0] == 0.0 && b.0[3][0] == 0.0);
-        let pieces: Vec<Piece<2>> = pieces
-            .into_iter()
-            .map(|piece| {
+        let profile = Framed::new(
+            bounds,
+            pieces,
+            |frame, piece| {
                 Piece(piece.0.map(|[r, y]| {
                     let p = frame.of(DVec3::new(0.0, y, 0.0));
                     [r / frame.scale(), p.y]
                 }))
-            })
-            .collect();
-        let boxes: Vec<Bounds3> = pieces
-            .iter()
-            .map(|piece| Bounds3::around(piece.0.iter().map(|[r, y]| DVec3::new(*r, *y, 0.0))))
-            .collect();
+            },
+            |piece| Bounds3::around(piece.0.iter().map(|[r, y]| DVec3::new(*r, *y, 0.0))),
+        );
         Ok(Self {
-            tree: Tree::new(&boxes),
             points,
             spline,
             closed,
-            frame,
-            pieces,
-            bounds,
+            profile,
             is_solid,
         })
     }
@@ -135,28 +123,25 @@ impl Lathe {
     }
 
     pub(super) fn pieces(&self) -> usize {
-        self.pieces.len()
+        self.profile.pieces().len()
     }
 
     pub(super) fn bounds(&self) -> Option<Bounds3> {
-        Some(self.bounds)
+        Some(self.profile.bounds())
     }
 
     /// Seen from the axis, a line is one bent curve: its distance from the axis over its height. A steep one has one
     /// distance for each height; the profile crosses the line where its radius is that. A level one is taken as two
     /// branches, coming and going, from where it is nearest to the axis; each has one height for each radius.
     pub(super) fn crossings(&self, ray: &Ray, out: &mut impl CrossingSink) {
-        let Some(line) = self.frame.line(ray) else {
+        let Some(line) = self.profile.frame().line(ray) else {
             return;
         };
         let mut met = Vec::new();
         let way = Way::new(&line);
-        self.tree.each(
+        self.profile.each(
             |b| way.may_meet(b),
-            |i| {
-                let Some(piece) = self.pieces.get(i as usize) else {
-                    return;
-                };
+            |i, piece| {
                 way.cross(piece, &mut |u, t| {
                     let at = line.ray.at(t);
                     let [r, y] = piece.tangent(u);
@@ -176,10 +161,10 @@ impl Lathe {
     }
 
     pub(super) fn surface(&self, p: DVec3, part: u32) -> Surface {
-        let q = self.frame.of(p);
+        let q = self.profile.frame().of(p);
         let rho = (q.x * q.x + q.z * q.z).sqrt();
         let i = (part / 2) as usize;
-        let Some(piece) = self.pieces.get(i) else {
+        let Some(piece) = self.profile.pieces().get(i) else {
             return Surface {
                 normal: DVec3::Y,
                 uv: DVec2::ZERO,
@@ -194,7 +179,7 @@ impl Lathe {
         };
         let right = radial * y - DVec3::Y * r;
         let normal = if part.is_multiple_of(2) { right } else { -right };
-        let v = (i as f64 + u) / self.pieces.len() as f64;
+        let v = (i as f64 + u) / self.pieces() as f64;
         Surface {
             // Nothing where a profile that leads along the axis is met on it.
             normal: if normal == DVec3::ZERO { DVec3::Y } else { normal },

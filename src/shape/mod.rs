@@ -251,7 +251,7 @@ impl<T: Solidity> Solidity for Arc<T> {
 /// A length a shape may have: greater than 0 and at most 1e15, which NaN is not. `what` names it in the
 /// message.
 #[inline]
-fn positive(what: &str, x: f64) -> Result<(), SceneError> {
+fn positive(what: impl std::fmt::Display, x: f64) -> Result<(), SceneError> {
     if x > 0.0 && x <= 1e15 {
         return Ok(());
     }
@@ -268,6 +268,16 @@ fn coordinate(what: impl std::fmt::Display, x: f64) -> Result<(), SceneError> {
     Err(SceneError::new(format!(
         "{what} must be a finite number within 1e15, not {x}"
     )))
+}
+
+/// Checks the coordinates of a point that a shape is made from; `what` names the point, `axes` its coordinates.
+fn coordinates<const N: usize>(
+    what: impl std::fmt::Display,
+    point: &[f64; N],
+    axes: [&str; N],
+) -> Result<(), SceneError> {
+    let mut each = point.iter().zip(axes);
+    each.try_for_each(|(x, axis)| coordinate(format_args!("{what}, {axis},"), *x))
 }
 
 /// The u that all round shapes share: once around Y from -Z over -X to +Z at 0.5 and on over +X, so that a

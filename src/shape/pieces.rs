@@ -170,6 +170,60 @@ impl Frame {
     }
 }
 
+/// The pieces of a shape in a frame of their own.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Framed<T> {
+    frame: Frame,
+    pieces: Vec<T>,
+    tree: Tree,
+    bounds: Bounds3,
+}
+
+impl<T> Framed<T> {
+    /// Pieces that lie within `bounds`, each taken into the frame around those by `place`; `around` is a box around one that
+    /// is there.
+    pub(super) fn new(
+        bounds: Bounds3,
+        pieces: impl IntoIterator<Item = T>,
+        place: impl Fn(&Frame, T) -> T,
+        around: impl Fn(&T) -> Bounds3,
+    ) -> Self {
+        let frame = Frame::around(&bounds);
+        let pieces: Vec<T> = pieces.into_iter().map(|piece| place(&frame, piece)).collect();
+        let boxes: Vec<Bounds3> = pieces.iter().map(around).collect();
+        Self {
+            frame,
+            tree: Tree::new(&boxes),
+            pieces,
+            bounds,
+        }
+    }
+
+    /// The frame.
+    pub(super) const fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    /// The pieces, in the frame.
+    pub(super) fn pieces(&self) -> &[T] {
+        &self.pieces
+    }
+
+    /// The box around all, in the shape's own space.
+    pub(super) const fn bounds(&self) -> Bounds3 {
+        self.bounds
+    }
+
+    /// Calls `visit` with every piece whose box may be met and its number, as [`Tree::each`].
+    pub(super) fn each(&self, meets: impl Fn(&Bounds3) -> bool, mut visit: impl FnMut(u32, &T)) {
+        self.tree.each(meets, |i| {
+            if let Some(piece) = self.pieces.get(i as usize) {
+                visit(i, piece);
+            }
+        });
+    }
+}
+
 /// A vector's direction and length, without squares that leave the range of numbers.
 fn unit(v: DVec3) -> Option<(DVec3, f64)> {
     let largest = v.abs().max_element();

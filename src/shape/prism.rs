@@ -2,7 +2,7 @@
 
 use super::{
     Crossing, CrossingSink, Solidity, Surface, coordinate,
-    pieces::{Frame, Tree, line_meets},
+    pieces::{Framed, line_meets},
     positive,
     roots::{Bernstein, nearest},
     span::Span,
@@ -26,13 +26,10 @@ pub struct Prism {
     outlines: Vec<Vec<[f64; 2]>>,
     spline: Spline,
     height: f64,
-    frame: Frame,
-    /// Half of the height in the frame.
+    /// Half of the height in the walls' frame.
     half: f64,
-    /// In the frame, outline after outline.
-    walls: Vec<Wall>,
-    tree: Tree,
-    bounds: Bounds3,
+    /// Outline after outline.
+    walls: Framed<Wall>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -102,34 +99,34 @@ impl Prism {
             flat.min - DVec3::Y * (0.5 * height),
             flat.max + DVec3::Y * (0.5 * height),
         );
-        let frame = Frame::around(&bounds);
-        let framed = |p: [f64; 2]| {
-            let p = frame.of(corner(&p, 0.0));
-            [p.x, p.z]
-        };
-        let walls: Vec<Wall> = loops
-            .iter()
-            .flat_map(|pieces| {
-                let n = pieces.len() as f64;
-                pieces.iter().enumerate().map(move |(i, piece)| Wall {
-                    piece: Piece(piece.0.map(framed)),
-                    u: [i as f64 / n, (i + 1) as f64 / n],
-                })
+        let walls = loops.iter().flat_map(|pieces| {
+            let n = pieces.len() as f64;
+            pieces.iter().enumerate().map(move |(i, piece)| Wall {
+                piece: Piece(piece.0),
+                u: [i as f64 / n, (i + 1) as f64 / n],
             })
-            .collect();
-        let boxes: Vec<Bounds3> = walls
-            .iter()
-            .map(|wall| Bounds3::around(wall.piece.0.iter().map(|p| corner(p, 0.0))))
-            .collect();
+        });
+        let walls = Framed::new(
+            bounds,
+            walls,
+            |frame, wall| {
+                let place = |p: [f64; 2]| {
+                    let p = frame.of(corner(&p, 0.0));
+                    [p.x, p.z]
+                };
+                Wall {
+                    piece: Piece(wall.piece.0.map(place)),
+                    ..wall
+                }
+            },
+            |wall| Bounds3::around(wall.piece.0.iter().map(|p| corner(p, 0.0))),
+        );
         Ok(Self {
-            half: 0.5 * height / frame.scale(),
-            tree: Tree::new(&boxes),
+            half: 0.5 * height / walls.frame().scale(),
             outlines,
             spline,
             height,
-            frame,
             walls,
-            bounds,
         })
     }
 
@@ -152,15 +149,15 @@ impl Prism {
     }
 
     pub(super) fn pieces(&self) -> usize {
-        self.walls.len()
+        self.walls.pieces().len()
     }
 
     pub(super) fn bounds(&self) -> Option<Bounds3> {
-        Some(self.bounds)
+        Some(self.walls.bounds())
     }
 
     pub(super) fn crossings(&self, ray: &Ray, out: &mut impl CrossingSink) {
-        let Some(line) = self.frame.line(ray) else {
+        let Some(line) = self.walls.frame().line(ray) else {
             return;
         };
         let (o, d) = (line.ray.origin, line.ray.dir);
@@ -196,12 +193,9 @@ impl Prism {
     fn walls_met(&self, o: DVec2, d: DVec2) -> Vec<Met> {
         let mut met = Vec::new();
         let flat = Ray::new(DVec3::new(o.x, 0.0, o.y), DVec3::new(d.x, 0.0, d.y));
-        self.tree.each(
+        self.walls.each(
             |b| line_meets(&flat, b),
-            |i| {
-                let Some(wall) = self.walls.get(i as usize) else {
-                    return;
-                };
+            |i, wall| {
                 let off = wall.piece.0.map(|p| DVec2::from(p) - o);
                 Bernstein(off.map(|p| d.perp_dot(p))).sign_changes(&mut |u, falls| {
                     let along = Bernstein(off.map(|p| d.dot(p))).at(u).0;
@@ -217,9 +211,10 @@ impl Prism {
     }
 
     pub(super) fn surface(&self, p: DVec3, part: u32) -> Surface {
-        let q = self.frame.of(p);
+        let q = self.walls.frame().of(p);
         if part < WALLS {
-            let (min, size) = (self.bounds.min, self.bounds.size());
+            let bounds = self.walls.bounds();
+            let (min, size) = (bounds.min, bounds.size());
             let u = (p.x - min.x) / size.x;
             let v = (p.z - min.z) / size.z;
             let (normal, v) = if part == BOTTOM {
@@ -233,7 +228,7 @@ impl Prism {
             };
         }
         let number = (part - WALLS) / 2;
-        let Some(wall) = self.walls.get(number as usize) else {
+        let Some(wall) = self.walls.pieces().get(number as usize) else {
             return Surface {
                 normal: DVec3::Y,
                 uv: DVec2::ZERO,

@@ -1,8 +1,8 @@
 //! The sphere sweep: a sphere that moves along a curve and changes its size.
 
 use super::{
-    CrossingSink, Solidity, Surface, coordinate,
-    pieces::{Frame, Line, Tree, line_meets},
+    CrossingSink, Solidity, Surface, coordinates,
+    pieces::{Framed, Line, line_meets},
     roots::{Bernstein, derivative, nearest, product, sharpened},
 };
 use crate::{
@@ -23,13 +23,9 @@ use crate::{
 pub struct SphereSweep {
     points: Vec<[f64; 4]>,
     spline: Spline,
-    frame: Frame,
-    /// In the frame.
-    pieces: Vec<Piece<4>>,
+    path: Framed<Piece<4>>,
     /// A direction across the curve at the beginning of each piece, from where u counts.
     across: Vec<DVec3>,
-    tree: Tree,
-    bounds: Bounds3,
 }
 
 /// The points and how they are curved; all else follows from them.
@@ -53,9 +49,8 @@ impl SphereSweep {
     /// Where there are too few points, a number is not finite or beyond 1e15, or a radius is negative or all are 0.
     pub fn new(points: Vec<[f64; 4]>, spline: Spline) -> Result<Self, SceneError> {
         for (i, point) in points.iter().enumerate() {
-            for (x, axis) in point.iter().zip(["x", "y", "z", "radius"]) {
-                coordinate(format_args!("the sphere sweep's points[{i}], {axis},"), *x)?;
-            }
+            let what = format_args!("the sphere sweep's points[{i}]");
+            coordinates(what, point, ["x", "y", "z", "radius"])?;
             if point[3] < 0.0 {
                 return Err(SceneError::new(format!(
                     "the sphere sweep's points[{i}], radius, must not be negative, but it is {}",
@@ -74,25 +69,22 @@ impl SphereSweep {
         let bounds = pieces
             .iter()
             .fold(Bounds3::EMPTY, |all, piece| all.union(&around(piece)));
-        let frame = Frame::around(&bounds);
-        let pieces: Vec<Piece<4>> = pieces
-            .into_iter()
-            .map(|piece| {
+        let path = Framed::new(
+            bounds,
+            pieces,
+            |frame, piece| {
                 Piece(piece.0.map(|[x, y, z, r]| {
                     let p = frame.of(DVec3::new(x, y, z));
                     [p.x, p.y, p.z, r / frame.scale()]
                 }))
-            })
-            .collect();
-        let boxes: Vec<Bounds3> = pieces.iter().map(around).collect();
+            },
+            around,
+        );
         Ok(Self {
-            across: directions_across(&pieces),
-            tree: Tree::new(&boxes),
+            across: directions_across(path.pieces()),
             points,
             spline,
-            frame,
-            pieces,
-            bounds,
+            path,
         })
     }
 
@@ -109,25 +101,21 @@ impl SphereSweep {
     }
 
     pub(super) fn pieces(&self) -> usize {
-        self.pieces.len()
+        self.path.pieces().len()
     }
 
     pub(super) fn bounds(&self) -> Option<Bounds3> {
-        Some(self.bounds)
+        Some(self.path.bounds())
     }
 
     pub(super) fn crossings(&self, ray: &Ray, out: &mut impl CrossingSink) {
-        let Some(line) = self.frame.line(ray) else {
+        let Some(line) = self.path.frame().line(ray) else {
             return;
         };
         let mut runs = Vec::new();
-        self.tree.each(
+        self.path.each(
             |b| line_meets(&line.ray, b),
-            |i| {
-                if let Some(piece) = self.pieces.get(i as usize) {
-                    runs_inside(piece, i, &line, &mut runs);
-                }
-            },
+            |i, piece| runs_inside(piece, i, &line, &mut runs),
         );
         runs.sort_by(|a, b| a.from.total_cmp(&b.from).then(a.piece.cmp(&b.piece)));
         let mut current: Option<(Run, u32)> = None;
@@ -155,9 +143,9 @@ impl SphereSweep {
     }
 
     pub(super) fn surface(&self, p: DVec3, part: u32) -> Surface {
-        let q = self.frame.of(p);
+        let q = self.path.frame().of(p);
         let i = part as usize;
-        let (Some(piece), Some(across)) = (self.pieces.get(i), self.across.get(i)) else {
+        let (Some(piece), Some(across)) = (self.path.pieces().get(i), self.across.get(i)) else {
             return Surface {
                 normal: DVec3::Y,
                 uv: DVec2::ZERO,
@@ -170,7 +158,7 @@ impl SphereSweep {
         let (from, to) = (direction(piece, 0.0), direction(piece, u));
         let right = carried(*across, from, to);
         let angle = math::atan2(out.dot(to.cross(right)), out.dot(right)) / (2.0 * PI) + 0.5;
-        let v = (i as f64 + u) / self.pieces.len() as f64;
+        let v = (i as f64 + u) / self.pieces() as f64;
         Surface {
             normal: if out == DVec3::ZERO { DVec3::Y } else { out },
             uv: DVec2::new(angle, v).clamp(DVec2::ZERO, DVec2::ONE),
