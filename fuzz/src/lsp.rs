@@ -4,22 +4,7 @@ use serde_json::{Value, json};
 
 const URI: &str = "file:///scenes/a.rhai";
 
-const QUESTIONS: [&str; 14] = [
-    "textDocument/hover",
-    "textDocument/completion",
-    "textDocument/signatureHelp",
-    "textDocument/definition",
-    "textDocument/references",
-    "textDocument/documentHighlight",
-    "textDocument/prepareRename",
-    "textDocument/rename",
-    "textDocument/documentSymbol",
-    "textDocument/foldingRange",
-    "textDocument/documentColor",
-    "textDocument/colorPresentation",
-    "textDocument/codeAction",
-    "textDocument/didChange",
-];
+const CHANGE: &str = "textDocument/didChange";
 
 pub fn run(data: &[u8]) {
     let Some((choice, rest)) = data.split_first() else {
@@ -49,7 +34,7 @@ fn messages(choice: u8, places: &[u8], text: &str) -> Vec<Value> {
         let character = i64::from(pair.last().copied().unwrap_or(0)) - 2;
         let place = json!({ "line": line, "character": character });
         let range = json!({ "start": place, "end": { "line": line + 1, "character": character } });
-        for question in QUESTIONS {
+        for question in rtscript::cli::LSP_METHODS.iter().copied().chain([CHANGE]) {
             let params = json!({
                 "textDocument": { "uri": URI, "version": 2 },
                 "position": place,
@@ -59,7 +44,7 @@ fn messages(choice: u8, places: &[u8], text: &str) -> Vec<Value> {
                 "contentChanges": [{ "range": range, "text": "x(" }],
             });
             messages.push(match question {
-                "textDocument/didChange" => json!({ "method": question, "params": params }),
+                CHANGE => json!({ "method": question, "params": params }),
                 _ => json!({ "id": id, "method": question, "params": params }),
             });
         }

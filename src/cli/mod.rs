@@ -37,7 +37,7 @@ mod watch;
 mod why;
 
 #[cfg(fuzzing)]
-pub use lsp::lsp_answers;
+pub use lsp::{LSP_METHODS, lsp_answers};
 
 use std::{
     collections::BTreeMap,

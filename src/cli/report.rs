@@ -7,7 +7,7 @@ use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet}
 use serde_json::json;
 
 use super::args::MessageFormat;
-use crate::diag::{Diagnostic, Error, ErrorKind, Severity};
+use crate::diag::{Diagnostic, Error, Severity};
 
 /// Longest message shown, in characters: a script can throw a text of megabytes.
 const MESSAGE: usize = 4_000;
@@ -91,19 +91,10 @@ pub(super) fn colored(diagnostic: &Diagnostic) -> String {
 
 /// The diagnostic as one object. Without a place, file, line and column are null.
 fn as_json(diagnostic: &Diagnostic) -> serde_json::Value {
-    let kind = match diagnostic.kind {
-        ErrorKind::Script => "script",
-        ErrorKind::Input => "input",
-        ErrorKind::Output => "output",
-        ErrorKind::Limit => "limit",
-        ErrorKind::Denied => "denied",
-        ErrorKind::Cancelled => "cancelled",
-        ErrorKind::Internal => "internal",
-    };
     let known = |n: u32| (n > 0).then_some(n);
     json!({
         "severity": diagnostic.severity.name(),
-        "kind": kind,
+        "kind": diagnostic.kind.name(),
         "code": diagnostic.code.name(),
         "message": diagnostic.message,
         "file": diagnostic.file.as_deref(),
@@ -204,7 +195,7 @@ pub(super) fn token(line: &str, column: u32) -> std::ops::Range<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diag::Code;
+    use crate::diag::{Code, ErrorKind};
 
     fn plain(diagnostic: &Diagnostic) -> String {
         text(diagnostic, &Renderer::plain())

@@ -62,6 +62,22 @@ pub enum ErrorKind {
     Internal,
 }
 
+impl ErrorKind {
+    /// One word in lower case, such as `script` or `limit`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Script => "script",
+            Self::Input => "input",
+            Self::Output => "output",
+            Self::Limit => "limit",
+            Self::Denied => "denied",
+            Self::Cancelled => "cancelled",
+            Self::Internal => "internal",
+        }
+    }
+}
+
 /// One message with its place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Diagnostic {

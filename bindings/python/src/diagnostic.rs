@@ -4,20 +4,7 @@ use pyo3::{
     prelude::*,
     types::{PyDict, PyTuple},
 };
-use rtscript::{Diagnostic, Error, ErrorKind};
-
-/// The name of whose fault an error is.
-fn kind_name(kind: ErrorKind) -> &'static str {
-    match kind {
-        ErrorKind::Script => "script",
-        ErrorKind::Input => "input",
-        ErrorKind::Output => "output",
-        ErrorKind::Limit => "limit",
-        ErrorKind::Denied => "denied",
-        ErrorKind::Cancelled => "cancelled",
-        ErrorKind::Internal => "internal",
-    }
-}
+use rtscript::{Diagnostic, Error};
 
 fn class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
     py.import("rtscript._errors")?.getattr(name)
@@ -28,7 +15,7 @@ fn to_python<'py>(py: Python<'py>, diagnostic: &Diagnostic) -> PyResult<Bound<'p
     let known = |n: u32| (n > 0).then_some(n);
     let fields = PyDict::new(py);
     fields.set_item("severity", diagnostic.severity.name())?;
-    fields.set_item("kind", kind_name(diagnostic.kind))?;
+    fields.set_item("kind", diagnostic.kind.name())?;
     fields.set_item("code", diagnostic.code.name())?;
     fields.set_item("message", &diagnostic.message)?;
     fields.set_item("file", diagnostic.file.as_deref())?;

@@ -30,3 +30,7 @@ pub(super) fn lsp() -> u8 {
 pub fn lsp_answers(bytes: &[u8]) -> Vec<u8> {
     server::answers(bytes)
 }
+
+/// What a client may ask about a document.
+#[cfg(fuzzing)]
+pub const LSP_METHODS: &[&str] = &server::METHODS;

@@ -384,7 +384,7 @@ impl<W: Write> Server<W> {
 }
 
 /// Requests about a document.
-const METHODS: [&str; 13] = [
+pub(super) const METHODS: [&str; 13] = [
     "textDocument/hover",
     "textDocument/completion",
     "textDocument/signatureHelp",
