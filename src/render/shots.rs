@@ -201,7 +201,7 @@ fn in_stratum(index: u32, count: u32, random: impl Fn(u64) -> f64) -> (f64, f64)
 
 /// The mean of a pixel's samples, each with its weight, summed in their order.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Mean {
+pub(crate) struct Mean {
     sum: Color,
     weights: Color,
     /// The same with all weights taken to be positive.
@@ -211,7 +211,7 @@ pub(super) struct Mean {
 
 impl Mean {
     /// Adds a sample.
-    pub(super) fn add(&mut self, light: Color, weight: Color) {
+    pub(crate) fn add(&mut self, light: Color, weight: Color) {
         let size = weight.abs();
         self.sum += weight * light;
         self.weights += weight;
@@ -221,11 +221,16 @@ impl Mean {
 
     /// The mean: of one color, that color. Where a few samples happen to lie where the filter is below 0, and all but
     /// cancel the others, their signs are left out.
-    pub(super) fn value(&self) -> Color {
+    pub(crate) fn value(&self) -> Color {
+        self.of(self)
+    }
+
+    /// What some of the samples add to the mean of all.
+    pub(crate) fn of(&self, some: &Self) -> Color {
         if self.weights.cmplt(self.sizes * 0.5).any() {
-            return self.unsigned / self.sizes;
+            return some.unsigned / self.sizes;
         }
-        self.sum / self.weights
+        some.sum / self.weights
     }
 }
 

@@ -73,6 +73,70 @@ fn samples_are_counted_by_what_they_show() {
     ));
 }
 
+/// Each eye has samples of its own and shows some channels only: what the pixel takes of them gives the pixel.
+#[test]
+fn a_sample_of_an_anaglyph_counts_for_the_channels_of_its_eye() {
+    let folder = Folder::with(SCENE);
+    folder.write("parts.rhai", PARTS);
+    folder.write(
+        "eyes.rhai",
+        SCENE.replace(
+            "maxDepth(2);",
+            "maxDepth(2);\nstereo(0.4, #{ layout: \"anaglyph\" });",
+        ),
+    );
+    let asked = |sample: &str| {
+        let text = told(
+            &folder,
+            &["eyes.rhai", "32,13", "--samples", "2", "--sample", sample],
+        );
+        let json = told(
+            &folder,
+            &[
+                "eyes.rhai",
+                "32,13",
+                "--samples",
+                "2",
+                "--sample",
+                sample,
+                "--json",
+            ],
+        );
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let color = |name: &str| -> Vec<f64> {
+            let all = json[name].as_array().unwrap();
+            all.iter().map(|v| v.as_f64().unwrap()).collect()
+        };
+        (
+            text,
+            color("sample_value"),
+            color("sample_share"),
+            color("linear"),
+        )
+    };
+    let mut sum = [0.0; 3];
+    let mut whole = Vec::new();
+    for sample in ["0", "1", "2", "3"] {
+        let (text, value, share, linear) = asked(sample);
+        let (words, expected) = if share[0] > 0.0 {
+            ("of which the pixel takes 1/2 of red\n", [0.5, 0.0, 0.0])
+        } else {
+            (
+                "of which the pixel takes 1/2 of green and blue\n",
+                [0.0, 0.5, 0.5],
+            )
+        };
+        assert!(text.contains(words), "{text}");
+        assert_eq!(share, expected);
+        (0..3).for_each(|i| sum[i] += share[i] * value[i]);
+        whole = linear;
+    }
+    assert!(
+        (0..3).all(|i| (sum[i] - whole[i]).abs() < 1e-15),
+        "{sum:?} is not {whole:?}"
+    );
+}
+
 #[test]
 fn a_picture_is_asked_by_its_recipe() {
     let folder = folder();

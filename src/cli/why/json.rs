@@ -62,6 +62,7 @@ pub(super) fn of(answer: &Answer<'_>) -> Value {
         "world_from_object": placing(answer).to_cols_array(),
         "sample": answer.number,
         "sample_value": vector(answer.sample.value),
+        "sample_share": vector(answer.share),
         "rays": rays,
     })
 }

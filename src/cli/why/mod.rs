@@ -19,7 +19,7 @@ use crate::{
     output,
     render::{
         RenderOptions, World,
-        explain::{ExplainedHit, ExplainedSample},
+        explain::{ExplainedHit, ExplainedSample, Mean},
         render,
     },
     scene::{Object, Scene},
@@ -40,6 +40,8 @@ struct Answer<'a> {
     /// The sample that is told of at length, and its number.
     sample: ExplainedSample<'a>,
     number: u32,
+    /// What that sample counts for in each channel of the pixel.
+    share: Color,
     /// The objects that lead to what that sample shows, outermost first, with the calls that made each.
     made_by: Vec<(&'a Object, Vec<CallSite>)>,
     /// Pictures that the script rendered by itself.
@@ -92,31 +94,41 @@ pub(super) fn why(args: &WhyArgs, signals: &Arc<Signals>, reporter: Reporter) ->
     let (x, y) = args.pixel;
     let count = world.samples_at(x, y, subject.host())?;
     let sample = world.explain_sample(x, y, args.sample, subject.host())?;
-    let (mut value, mut weights) = (Color::ZERO, Color::ZERO);
-    let mut shown: Vec<Shown<'_>> = Vec::new();
+    let mut mean = Mean::default();
+    let mut shown: Vec<(Shown<'_>, Mean)> = Vec::new();
     for index in 0..count {
         let other = world.explain_sample(x, y, index, subject.host())?;
-        value += other.weight * other.value;
-        weights += other.weight;
+        mean.add(other.value, other.weight);
         let objects = first_hit(&other).map_or(Vec::new(), |hit| hit.objects.clone());
-        let is_same = |s: &&mut Shown<'_>| {
+        let is_same = |(s, _): &&mut (Shown<'_>, Mean)| {
             let pairs = s.objects.iter().zip(&objects);
             s.objects.len() == objects.len() && pairs.into_iter().all(|(a, b)| std::ptr::eq(*a, *b))
         };
-        let added = other.weight * other.value;
-        match shown.iter_mut().find(is_same) {
-            Some(same) => (same.samples, same.added) = (same.samples + 1, same.added + added),
-            None => shown.push(Shown {
+        let at = shown.iter_mut().find(is_same);
+        if let Some((same, part)) = at {
+            same.samples += 1;
+            part.add(other.value, other.weight);
+        } else {
+            let mut part = Mean::default();
+            part.add(other.value, other.weight);
+            let one = Shown {
                 objects,
                 samples: 1,
-                added,
-            }),
+                added: Color::ZERO,
+            };
+            shown.push((one, part));
         }
     }
-    for shown in &mut shown {
-        shown.added /= weights;
-    }
+    let mut shown: Vec<Shown<'_>> = shown
+        .into_iter()
+        .map(|(shown, part)| Shown {
+            added: mean.of(&part),
+            ..shown
+        })
+        .collect();
     shown.sort_by_key(|s| std::cmp::Reverse(s.samples));
+    let mut white = Mean::default();
+    white.add(Color::ONE, sample.weight);
     let mut made_by = Vec::new();
     for object in first_hit(&sample).map_or(&[][..], |hit| &hit.objects) {
         made_by.push((*object, subject.call_stack(scene, object)?));
@@ -125,11 +137,12 @@ pub(super) fn why(args: &WhyArgs, signals: &Arc<Signals>, reporter: Reporter) ->
         subject: &subject,
         scene,
         pixel: args.pixel,
-        value: value / weights,
+        value: mean.value(),
         count,
         shown,
         sample,
         number: args.sample,
+        share: mean.of(&white),
         made_by,
         pictures: run.pictures.len(),
     };

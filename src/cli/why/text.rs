@@ -15,6 +15,27 @@ use crate::{
     scene::{Encoding, Object},
 };
 
+/// What a sample counts for: an equal share of all, or of the channels that its eye shows.
+fn share(share: Color) -> String {
+    let largest = share.max_element();
+    let channels = ["red", "green", "blue"].into_iter().zip(share.to_array());
+    let taken: Vec<(&str, f64)> = channels.filter(|(_, share)| *share != 0.0).collect();
+    if taken.is_empty() || taken.iter().any(|(_, share)| *share != largest) {
+        return format!("{} of each channel", color(share));
+    }
+    let equal = (1.0 / largest).round();
+    let part = match equal {
+        1.0 => "all".to_owned(),
+        _ if 1.0 / equal == largest => format!("1/{equal}"),
+        _ => number(largest),
+    };
+    let names: Vec<&str> = taken.iter().map(|(name, _)| *name).collect();
+    match names[..] {
+        [_, _, _] => part,
+        _ => format!("{part} of {}", names.join(" and ")),
+    }
+}
+
 /// Rays that are told of; of more, how many there are and what they add.
 const MOST_RAYS: usize = 64;
 
@@ -159,10 +180,11 @@ impl Text<'_> {
             0,
             match a.count {
                 1 => "rays; what they add is the pixel".to_owned(),
-                n => format!(
-                    "rays of sample {}; what they add is {}, of which the pixel takes 1/{n}",
+                _ => format!(
+                    "rays of sample {}; what they add is {}, of which the pixel takes {}",
                     a.number,
-                    color(a.sample.value)
+                    color(a.sample.value),
+                    share(a.share)
                 ),
             },
         );

@@ -4,6 +4,7 @@ mod record;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use super::shots::Mean;
 use super::{
     adaptive::Pixels,
     integrator::{self, Counts, Stack},
@@ -11,6 +12,8 @@ use super::{
     observe::RayKind,
     shots::{Mean, Shots},
     world::{Moments, World},
+    shots::Shots,
+    world::World,
 };
 use crate::{
     color::Color,
