@@ -8,9 +8,10 @@ use crate::{
     math::{DVec3, Ray, brief, max_abs},
     render::{
         film::Image,
+        lighting,
         world::{Hit, Probe, SurfacePoint},
     },
-    scene::{Light, Object},
+    scene::{Light, LightKind, Object},
 };
 
 /// Points of the picture that are asked, in each direction.
@@ -23,10 +24,50 @@ struct Causes<'s> {
     black: usize,
     /// The surface is turned away from the light.
     away: usize,
+    /// The point lies where the light does not shine, by what is to be said of lights of its kind.
+    beside: BTreeMap<Beside, usize>,
+    /// The light is linked to other groups.
+    unlinked: usize,
     /// Something stands in between, by the place of the call that made it.
     blocked: BTreeMap<(u16, u32, u16), (usize, &'s Object)>,
     /// Nothing does.
     weak: usize,
+}
+
+/// Where a light does not shine.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Beside {
+    Cone,
+    Picture,
+    Front,
+}
+
+impl Beside {
+    fn of(light: &LightKind) -> Self {
+        match light {
+            LightKind::Spot(_) => Self::Cone,
+            LightKind::Projector(_) => Self::Picture,
+            _ => Self::Front,
+        }
+    }
+
+    /// What is in view lies there, and what to do.
+    fn words(self, lights: &str) -> (String, &'static str) {
+        match self {
+            Self::Cone => (
+                format!("all that is in view lies outside of the cone of {lights}"),
+                "move the spot's target, or make its angle larger: it is measured from the axis to the edge",
+            ),
+            Self::Picture => (
+                format!("all that is in view lies beside the picture of {lights}, or where that is black"),
+                "move the projector's target, or make its fovy larger",
+            ),
+            Self::Front => (
+                format!("all that is in view lies behind {lights}, which shines to its front alone"),
+                "turn the light around",
+            ),
+        }
+    }
 }
 
 /// Why the picture shows nothing; `None` where it shows what it should.
@@ -76,8 +117,8 @@ pub(super) fn cause(world: &World<'_>, met: &[(Hit, Ray)], brightest: Option<f64
     let mut causes = Causes::default();
     for (hit, ray) in met {
         if let Some(at) = world.surface(hit, ray) {
-            for light in &world.scene.root().lights {
-                causes.ask(world, hit, &at, light);
+            for (index, light) in world.scene.root().lights.iter().enumerate() {
+                causes.ask(world, hit, &at, (index, light));
             }
         }
     }
@@ -86,7 +127,7 @@ pub(super) fn cause(world: &World<'_>, met: &[(Hit, Ray)], brightest: Option<f64
 
 impl<'s> Causes<'s> {
     /// Counts why a light does not light a point, or does so too weakly.
-    fn ask(&mut self, world: &World<'s>, hit: &Hit, at: &SurfacePoint<'_>, light: &Light) {
+    fn ask(&mut self, world: &World<'s>, hit: &Hit, at: &SurfacePoint<'_>, (index, light): (usize, &Light)) {
         if light.color == DVec3::ZERO {
             return;
         }
@@ -98,6 +139,18 @@ impl<'s> Causes<'s> {
         let towards = light.kind.towards(at.position);
         if !(towards.dot(at.shading_normal) > 0.0) {
             self.away += 1;
+            return;
+        }
+        if !lighting::shines_at(world, index, at.position) {
+            *self.beside.entry(Beside::of(&light.kind)).or_default() += 1;
+            return;
+        }
+        let path = world.places_of(hit.number);
+        if !light
+            .links
+            .reaches(|id| path.iter().any(|(group, _)| *group == id))
+        {
+            self.unlinked += 1;
             return;
         }
         let distance = match light.kind.center() {
@@ -128,7 +181,14 @@ impl<'s> Causes<'s> {
         };
         let blocker = self.blocked.values().max_by_key(|(count, _)| *count);
         let blocked = blocker.map_or(0, |(count, _)| *count);
-        let most = self.black.max(self.away).max(blocked).max(self.weak);
+        let beside = self.beside.iter().max_by_key(|(_, count)| **count);
+        let aside = beside.map_or(0, |(_, count)| *count);
+        let counts = [self.black, self.away, blocked, self.weak, aside, self.unlinked];
+        let most = counts.into_iter().max().unwrap_or(0);
+        if let Some((beside, _)) = beside.filter(|_| most == aside) {
+            let (why, hint) = beside.words(lights);
+            return Some(black(why).hint(hint));
+        }
         Some(match blocker {
             _ if most == 0 => return None,
             Some((_, object)) if most == blocked => {
@@ -143,6 +203,10 @@ impl<'s> Causes<'s> {
                 None => "the light that arrives is too weak".to_owned(),
             })
             .hint("make the light's color larger, or its attenuation smaller: a light of color [1, 1, 1] at distance d is divided by attenuation's c + l d + q d^2"),
+            _ if most == self.unlinked => {
+                black(format!("{lights} does not reach the groups that are in view"))
+                    .hint("lightLinking(#{ }) before a light makes it reach everything")
+            }
             _ if most == self.away => black(format!("all that is in view is turned away from {lights}"))
                 .hint("put the light on the side of the camera"),
             _ => black("the materials in view answer no light: their diffuse and specular are black".to_owned())

@@ -3,7 +3,7 @@ use crate::{
     Builder, NoHost, Term,
     math::DVec3,
     render::{RenderOptions, render},
-    scene::{Camera, CsgOp},
+    scene::{Attenuation, Camera, CsgOp, Links, Spot},
     shape::{Cuboid, Shape},
 };
 
@@ -150,6 +150,24 @@ fn the_reason_of_darkness_is_told() {
         0,
         "too weak; the brightest pixel has a value of 5.0e-7",
     );
+    let aside = |b: &mut Builder| {
+        let (from, to) = (DVec3::new(0.0, 0.0, 5.0), DVec3::new(4.0, 0.0, 5.0));
+        let spot = Spot::new(from, to, (30.0, 5.0), 0.0, Attenuation::default()).unwrap();
+        b.spot(spot, DVec3::ONE).unwrap();
+    };
+    let [look, render] = told(&[&aside, &floor]);
+    only(&render, Code::Unlit, 0, "lies outside of the cone of the light");
+    only(&look, Code::Unlit, 0, "lies outside of the cone of the light");
+    let elsewhere = |b: &mut Builder| {
+        let mark = b.begin_define("other").unwrap();
+        b.sphere(DVec3::ZERO, 1.0).unwrap();
+        b.end_define(mark, true);
+        let other = b.group_called("other").unwrap();
+        b.light_linking(Links::new(Some(vec![other]), Vec::new()).unwrap())
+            .unwrap();
+    };
+    let [_, render] = told(&[&elsewhere, &light(0.0, 0.0, 5.0), &floor]);
+    only(&render, Code::Unlit, 0, "does not reach the groups");
     let black = |b: &mut Builder| b.material_mut().diffuse = Term::color(DVec3::ZERO);
     let [_, render] = told(&[&light(0.0, 0.0, 5.0), &black, &floor]);
     only(&render, Code::Unlit, 0, "answer no light");

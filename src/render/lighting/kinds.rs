@@ -79,6 +79,14 @@ pub(super) fn sent(world: &World<'_>, index: usize, p: DVec3, at: (f64, f64)) ->
     }
 }
 
+/// Whether any of some points of the light of number `index` shines at `p`, whatever stands in between: `p` is in the
+/// cone of a spot, in the picture of a projector, on the front of a surface.
+pub(in crate::render) fn shines_at(world: &World<'_>, index: usize, p: DVec3) -> bool {
+    const ALONG: u32 = 4;
+    let middle = |i: u32| (f64::from(i) + 0.5) / f64::from(ALONG);
+    (0..ALONG * ALONG).any(|i| sent(world, index, p, (middle(i % ALONG), middle(i / ALONG))).is_some())
+}
+
 /// The color of the picture on its way to `p`; `None` beyond its edges and behind the projector.
 fn projected(scene: &Scene, projector: &Projector, lamp: &Lamp, p: DVec3) -> Option<Color> {
     let Lamp::Projector([right, up, ahead], extent) = lamp else {

@@ -14,6 +14,7 @@ mod surface;
 mod tests;
 
 pub(super) use around::{openness, scattered};
+pub(super) use kinds::shines_at;
 pub(super) use lamp::Lamp;
 
 use super::{
