@@ -425,3 +425,28 @@ fn what_varies_inside_is_followed_along_the_way() {
     );
     is(render(&wall).image.pixel(0, 0).unwrap(), near * far);
 }
+
+#[test]
+fn formulas_of_dispersion_agree_where_they_say_the_same() {
+    let prism = |glass: &str| ball(&format!("transmission(1, 1, 1); {glass}"));
+    // Cauchy's two terms are what an Abbe number stands for.
+    let [d, f, c] = [0.587_56f64, 0.486_13, 0.656_27].map(|line| 1.0 / (line * line));
+    let b = (1.7 - 1.0) / (20.0 * (f - c));
+    let a = 1.7 - b * d;
+    let abbe = prism("ior(1.7); dispersion(20);");
+    let same = greatest_difference(&abbe, &prism(&format!("dispersion({a}, {b});")));
+    assert!(same < 1e-9, "{same}");
+    let other = greatest_difference(&abbe, &prism(&format!("dispersion({a}, {b}, 0.004);")));
+    assert!(other > 1e-3, "{other}");
+    // A glass of no dispersion is one of its index.
+    let still = greatest_difference(
+        &prism("dispersion(1.6, 0);"),
+        &prism("ior(1.6); dispersion(1000000);"),
+    );
+    assert!(still < 1e-4, "{still}");
+    // A glass by its name is one with its index and nearly one with its Abbe number: Cauchy's two terms are not its own.
+    let flint = prism("dispersion(\"F2\");");
+    let near = greatest_difference(&flint, &prism("ior(1.62004); dispersion(36.37);"));
+    let far = greatest_difference(&flint, &prism("ior(1.62004); dispersion(80);"));
+    assert!(near < 0.3 * far, "{near} and {far}");
+}

@@ -11,7 +11,7 @@ use super::{
 use crate::{
     color::{self, Color},
     math::{self, DVec2, DVec3, Exponent, Ray},
-    scene::{Absorption, CustomReflectance, Finish, ShadingPoint, Term, finish_mean},
+    scene::{Absorption, CustomReflectance, Dispersion, Finish, ShadingPoint, Term, finish_mean},
 };
 
 /// What a ray carries along from surface to surface.
@@ -256,12 +256,18 @@ impl<'s> Polished<'s> {
         };
         let transmission = term(&material.transmission);
         let (mut ior, mut wavelength) = (index(world, finish, at), None);
-        if let Some(abbe) = &finish.dispersion
+        if let Some(dispersion) = &finish.dispersion
             && transmission != Color::ZERO
         {
-            let abbe = number(world, abbe, at, Finish::ABBE);
             let (nm, color) = spectrum::wavelength(path.of_sample(WAVELENGTH));
-            ior = spectrum::index_at(ior, spectrum::cauchy_b(ior, abbe), nm).max(1e-3);
+            let bent = match dispersion {
+                Dispersion::Abbe(abbe) => {
+                    let abbe = number(world, abbe, at, Finish::ABBE);
+                    spectrum::index_at(ior, spectrum::cauchy_b(ior, abbe), nm)
+                }
+                own => spectrum::shifted_index(own, ior, nm),
+            };
+            ior = bent.max(1e-3);
             wavelength = (!inside.is_colored()).then_some(color);
         }
         // What is opaque is always seen from outside.

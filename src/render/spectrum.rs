@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 use crate::{
     color::Color,
     math::{self, DVec3},
+    scene::{D_LINE, Dispersion},
 };
 
 /// Ends of the visible spectrum in nanometers.
@@ -87,7 +88,7 @@ fn rgb_of(xyz: DVec3) -> Color {
 }
 
 /// Wavelengths of Fraunhofer's lines d, F and C in micrometers, by which glass is described.
-const LINES: [f64; 3] = [0.587_56, 0.486_13, 0.656_27];
+const LINES: [f64; 3] = [D_LINE, 0.486_13, 0.656_27];
 
 /// The B of Cauchy's formula n = A + B / wavelength^2, in square micrometers, of a glass with index `ior` at the d line and Abbe
 /// number `abbe`: (n_d - 1) / (n_F - n_C).
@@ -101,6 +102,13 @@ pub(super) fn index_at(ior: f64, b: f64, nm: f64) -> f64 {
     let [d, ..] = LINES;
     let micrometers = nm * 1e-3;
     ior + b * (1.0 / (micrometers * micrometers) - 1.0 / (d * d))
+}
+
+/// The index of refraction at a wavelength in nanometers of what has one by its own formula, and `ior` at the d line.
+pub(super) fn shifted_index(own: &Dispersion, ior: f64, nm: f64) -> f64 {
+    let at = |micrometers| own.index(micrometers).unwrap_or(0.0);
+    let [d, ..] = LINES;
+    ior + (at(nm * 1e-3) - at(d))
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! What a surface may do beyond the shading equation: Fresnel's laws, metals, roughness, coats, colored glass, relief.
 
-use super::{Material, SceneError, Term, TextureId};
+use super::{Dispersion, Material, SceneError, Term, TextureId};
 use crate::color::Color;
 
 /// A metal's optical constants in red, green and blue.
@@ -107,9 +107,8 @@ pub struct Finish {
     pub clear_coat: Option<ClearCoat>,
     /// What the inside takes from light.
     pub absorption: Option<Absorption>,
-    /// Abbe number of the inside, whose `ior` is that of yellow light: the smaller, the more colors are bent apart. At least 1, a
-    /// [number](Term::number).
-    pub dispersion: Option<Term>,
+    /// How much more the inside bends some colors than others, its `ior` being that of yellow light.
+    pub dispersion: Option<Dispersion>,
     /// Relief by a texture.
     pub bump: Option<Bump>,
     /// Relief by a picture of normals.
@@ -165,8 +164,10 @@ impl Finish {
             channels("color", color, Self::LEFT)?;
             number("distance", distance, Self::DISTANCE)?;
         }
-        if let Some(abbe) = &self.dispersion {
-            number("abbe", abbe, Self::ABBE)?;
+        match &self.dispersion {
+            Some(Dispersion::Abbe(abbe)) => number("abbe", abbe, Self::ABBE)?,
+            Some(dispersion) => dispersion.check()?,
+            None => {}
         }
         if let Some(bump) = &self.bump {
             number("height", &bump.height, [-1e6, 1e6])?;
@@ -209,6 +210,10 @@ impl Finish {
             shininess,
             ior,
         } = *self;
+        let abbe = match dispersion {
+            Some(Dispersion::Abbe(abbe)) => Some(abbe),
+            _ => None,
+        };
         [
             ("absorption", of(absorption.map(|absorption| absorption.color))),
             ("absorption", of(absorption.map(|absorption| absorption.distance))),
@@ -218,7 +223,7 @@ impl Finish {
             ("clearCoat", of(clear_coat.map(|coat| coat.roughness))),
             ("conductor", of(conductor.map(|metal| metal.eta))),
             ("conductor", of(conductor.map(|metal| metal.k))),
-            ("dispersion", of(dispersion)),
+            ("dispersion", of(abbe)),
             ("ior", of(ior)),
             ("normalMap", normal_map.map(|map| map.texture)),
             ("normalMap", of(normal_map.map(|map| map.strength))),
@@ -254,6 +259,18 @@ impl Material {
         self.change_finish(|finish| finish.shininess = varying)?;
         self.shininess = number;
         Ok(())
+    }
+
+    /// How much more the inside bends some colors than others. What has an index of refraction of its own sets [`Material::ior`], too.
+    ///
+    /// # Errors
+    /// Where a number is out of its range.
+    pub fn set_dispersion(&mut self, dispersion: Dispersion) -> Result<(), SceneError> {
+        self.change_finish(|finish| finish.dispersion = Some(dispersion))?;
+        match dispersion.index_d() {
+            Some(ior) => self.set_ior(ior),
+            None => Ok(()),
+        }
     }
 
     /// The index of refraction: a number as [`Material::ior`], or a texture as [`Finish::ior`].
@@ -314,7 +331,7 @@ mod tests {
         assert!(refused(&|f| f.oren_nayar = Some(91.0.into())).starts_with("sigma"));
         assert!(refused(&|f| f.absorption = glass(Color::ZERO, 1.0)).starts_with("color"));
         assert!(refused(&|f| f.absorption = glass(Color::ONE, 0.0)).starts_with("distance"));
-        assert!(refused(&|f| f.dispersion = Some(f64::NAN.into())).starts_with("abbe"));
+        assert!(refused(&|f| f.dispersion = Some(Dispersion::abbe(f64::NAN))).starts_with("abbe"));
         assert!(refused(&|f| f.roughness = Some(Term::color(Color::splat(2.0)))).starts_with("roughness"));
     }
 }

@@ -1,7 +1,7 @@
 //! Finishes as the options of `material(#{ })`.
 
 use super::{
-    Absorption, Bump, ClearCoat, Conductor, Finish, NormalMap, Term, TextureId,
+    Absorption, Bump, ClearCoat, Conductor, Dispersion, Finish, NormalMap, Term, TextureId,
     literal::{Components, Number, Vector},
 };
 use crate::color::Color;
@@ -66,8 +66,18 @@ impl Finish {
         if let Some(Conductor { eta, k }) = conductor {
             set.push(("conductor", format!("#{{ eta: {}, k: {} }}", term(eta), term(k))));
         }
-        if let Some(abbe) = dispersion {
-            set.push(("dispersion", number(abbe)));
+        if let Some(dispersion) = dispersion {
+            let text = match dispersion {
+                Dispersion::Abbe(abbe) => number(abbe),
+                Dispersion::Cauchy { a, b, c } => {
+                    format!("#{{ cauchy: [{}, {}, {}] }}", Number(*a), Number(*b), Number(*c))
+                }
+                Dispersion::Sellmeier(pairs) => {
+                    let pairs = pairs.map(|[b, c]| format!("[{}, {}]", Number(b), Number(c)));
+                    format!("#{{ sellmeier: [{}] }}", pairs.join(", "))
+                }
+            };
+            set.push(("dispersion", text));
         }
         if *fresnel {
             set.push(("fresnel", "true".to_owned()));

@@ -3,7 +3,7 @@
 use rhai::{Dynamic, Map};
 
 use super::{
-    amount as amount_param,
+    amount as amount_param, glasses,
     materials::{scene_term, term_value},
     number, patterns, string, term,
 };
@@ -93,11 +93,20 @@ pub(super) const ENTRIES: &[Entry] = &[
         .example(studio!("ambient(0, 0, 0);\nfresnel(true);\ntransmission(1, 1, 1);\nabsorption(\"#3b8\", 0.8);\nfor i in 0..3 {\n  let r = 0.3 + 0.3 * i;\n  sphere(i * 1.5 - 1.7, r - 1, 0, r);\n}"))
         .also(&["beer", "fade_distance", "attenuationColor", "volumeAbsorption"]),
     Entry::scene(Group::Materials, "dispersion", dispersion)
-        .takes(&[&[amount_param("abbe", "none", "Abbe number, 1 or greater: window glass 60, flint glass 30, diamond 55; 10 for show")]])
-        .doc("Bends colors apart as glass with this Abbe number does, ior(n) being that of yellow light. Each sample that goes through has one wavelength, so this needs many samples.")
-        .usage("dispersion(25)")
+        .takes(&[
+            &[amount_param("abbe", "none", "Abbe number, 1 or greater: window glass 60, flint glass 30, diamond 55; 10 for show")],
+            &[string("glass", "BAK4, BK7, F2, FK51A, LASF9, SF10, SF11 (Schott's), diamond, sapphire, silica or water, as they were measured")],
+            &[
+                number("a", "none", "A of Cauchy's formula A + B / w^2 + C / w^4, w being the wavelength in micrometers: near 1.5"),
+                number("b", "square micrometers", "its B: 0.004 for crown glass, 0.01 for flint"),
+                number("c", "micrometers^4", "its C").or("0"),
+            ],
+            &[Param::new("sellmeier", Kind::Array, "square micrometers", "one to four pairs [B, C] of Sellmeier's formula, as catalogs of glass list them")],
+        ])
+        .doc("Bends colors apart as glass with this Abbe number does, ior(n) being that of yellow light. A named glass, Cauchy's and Sellmeier's formula say their index, too, as if by ior(n); a later ior(n) moves the indices of all colors by as much as that of yellow. Each sample that goes through has one wavelength, so this needs many samples.")
+        .usage("dispersion(\"SF10\")")
         .example("background(\"#e8edf2\");\nsamples(24);\nmaxDepth(8);\nambient(0, 0, 0);\ncamera([0, 0, 6], [0, 0, 0], [0, 1, 0], 40);\nfor y in [-2, 0.5] {   // black bars behind the ball\n  group { translate(0, y, -6); scale(12, 0.5, 0.1); box(); }\n}\ntransmission(1, 1, 1);\nior(1.6);\ndispersion(8);\nsphere(0, 0, 0, 1.3);")
-        .also(&["abbe", "rainbow", "chromatic"]),
+        .also(&["abbe", "rainbow", "chromatic", "cauchy", "sellmeier", "dispersion_samples"]),
     Entry::scene(Group::Materials, "bump", bump)
         .takes(&[&[
             term("texture", "its brightness is the height"),
@@ -244,9 +253,13 @@ fn absorption(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
 }
 
 fn dispersion(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
-    let abbe = amount(call, state, "abbe")?;
+    let dispersion = glasses::arguments(call, state)?;
     call.end()?;
-    change(state, |f| f.dispersion = Some(abbe))
+    let material = state.builder.material_mut();
+    material
+        .set_dispersion(dispersion)
+        .map_err(Box::<ScriptError>::from)?;
+    DONE
 }
 
 fn bump(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
@@ -324,7 +337,7 @@ pub(super) fn set(
         "dispersion" if none => f.dispersion = None,
         "normalMap" if none => f.normal_map = None,
         "roughness" if none => f.roughness = None,
-        "dispersion" => f.dispersion = Some(amount_from(call, state, key, value)?),
+        "dispersion" => f.dispersion = Some(glasses::value(call, state, key, value)?),
         "roughness" => f.roughness = Some(rough_term(call, state, key, value)?).filter(is_any),
         "conductor" if value.is_string() => {
             let name = value.clone().into_immutable_string().unwrap_or_default();
@@ -411,7 +424,8 @@ pub(super) fn as_map(state: &State, f: &Finish) -> [(&'static str, Dynamic); 9] 
         ),
         (
             "dispersion",
-            of(f.dispersion.map(|abbe| amount_value(state, abbe))),
+            of(f.dispersion
+                .map(|dispersion| glasses::as_value(state, &dispersion))),
         ),
         ("fresnel", Dynamic::from(f.fresnel)),
         (

@@ -87,7 +87,7 @@ pub(super) const ENTRIES: &[Entry] = &[
     Entry::scene(Group::Materials, "material", material)
         .takes(&[
             &[],
-            &[map("options", "any of ambient, diffuse, emission, ior, reflection, shininess, specular, transmission; fresnel, conductor (a name or #{ eta, k }), roughness, orenNayar, clearCoat (#{ strength, roughness }), absorption (#{ color, distance }), dispersion, bump (#{ texture, height }), normalMap (#{ image, strength })").keys(&KEYS)],
+            &[map("options", "any of ambient, diffuse, emission, ior, reflection, shininess, specular, transmission; fresnel, conductor (a name or #{ eta, k }), roughness, orenNayar, clearCoat (#{ strength, roughness }), absorption (#{ color, distance }), dispersion (an Abbe number, a glass, #{ cauchy } or #{ sellmeier }), bump (#{ texture, height }), normalMap (#{ image, strength })").keys(&KEYS)],
         ])
         .returns("map")
         .doc("Sets several terms at once and returns the whole state as a map. material(m) puts such a map back. A reflection of () follows Ks again, and () takes a bump, a roughness and the like away. Whatever is a color or a number may have a texture.")
@@ -203,7 +203,9 @@ fn material(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
         if let Some(s) = s {
             set_shininess(call, "shininess", &mut m, s)?;
         }
-        if let Some(n) = n {
+        let own = m.finish.as_ref().and_then(|finish| finish.dispersion?.index_d());
+        let own = own.filter(|_| map.contains_key("dispersion")).map(Term::number);
+        if let Some(n) = n.or(own) {
             set_ior(call, "ior", &mut m, n)?;
         }
         state.builder.set_material(m);

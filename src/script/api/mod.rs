@@ -10,6 +10,7 @@ mod edition;
 mod environment;
 mod finishes;
 mod functions;
+mod glasses;
 mod heights;
 mod lamps;
 mod lights;
