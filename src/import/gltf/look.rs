@@ -13,8 +13,8 @@ use crate::{
     color::Color,
     diag::Diagnostic,
     scene::{
-        Absorption, Builder, ClearCoat, Conductor, Finish, Material, MaterialId, NormalMap, Paint, Term,
-        Texture,
+        Absorption, Builder, ClearCoat, Conductor, Dispersion, Finish, Material, MaterialId, NormalMap,
+        Paint, Term, Texture,
     },
 };
 
@@ -488,8 +488,8 @@ impl<'a> Look<'_, '_, 'a, '_, '_> {
         let strength = item.share_or("clearcoatFactor", 0.0)?;
         if strength > 0.0 {
             finish.clear_coat = Some(ClearCoat {
-                strength,
-                roughness: item.share_or("clearcoatRoughnessFactor", 0.0)?,
+                strength: strength.into(),
+                roughness: item.share_or("clearcoatRoughnessFactor", 0.0)?.into(),
             });
         }
         Ok(())
@@ -509,14 +509,17 @@ impl<'a> Look<'_, '_, 'a, '_, '_> {
             let color = Color::from_array(color.map(|x| x.clamp(1e-9, 1.0)));
             if color != Color::ONE {
                 let distance = distance.within(1e-9, 1e15)?;
-                finish.absorption = Some(Absorption { color, distance });
+                finish.absorption = Some(Absorption {
+                    color: Term::color(color),
+                    distance: distance.into(),
+                });
             }
         }
         if let Some(item) = extensions.get("KHR_materials_dispersion")? {
             let dispersion = item.number_or("dispersion", 0.0)?;
             if dispersion > 0.0 {
                 // It is given as 20 over the Abbe number.
-                finish.dispersion = Some((20.0 / dispersion).clamp(1.0, 1e6));
+                finish.dispersion = Some(Dispersion::Abbe((20.0 / dispersion).clamp(1.0, 1e6).into()));
             }
         }
         Ok(())
@@ -530,7 +533,7 @@ impl<'a> Look<'_, '_, 'a, '_, '_> {
             let scale = entry.number_or("scale", 1.0)?.clamp(-10.0, 10.0);
             finish.normal_map = Some(NormalMap {
                 texture: self.builder.texture(&found.texture),
-                strength: scale,
+                strength: scale.into(),
             });
         }
         Ok(finish)
@@ -549,7 +552,7 @@ fn conductor(head_on: Color) -> Conductor {
         (eta, k2.max(0.0).sqrt())
     });
     Conductor {
-        eta: Color::new(r.0, g.0, b.0),
-        k: Color::new(r.1, g.1, b.1),
+        eta: Term::color(Color::new(r.0, g.0, b.0)),
+        k: Term::color(Color::new(r.1, g.1, b.1)),
     }
 }

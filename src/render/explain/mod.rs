@@ -10,10 +10,8 @@ use super::{
     integrator::{self, Counts, Stack},
     interrupt::Interrupt,
     observe::RayKind,
-    shots::{Mean, Shots},
-    world::{Moments, World},
     shots::Shots,
-    world::World,
+    world::{Moments, World},
 };
 use crate::{
     color::Color,

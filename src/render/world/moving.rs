@@ -25,6 +25,7 @@ impl<'s> World<'s> {
         Self {
             scene: self.scene,
             levels: Arc::clone(&self.levels),
+            fields: self.fields,
             keys: Vec::new(),
             packets: self.packets,
             interrupt: self.interrupt,
