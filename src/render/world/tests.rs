@@ -2,6 +2,7 @@
 
 mod boxes;
 mod extremes;
+mod moving;
 mod stops;
 
 use proptest::prelude::*;

@@ -46,7 +46,7 @@ impl World<'_> {
                         world,
                         inner,
                         base + instance.first_number,
-                        &ray.transformed(&instance.inner_from_outer),
+                        &world.entering(inner, ray.transformed(&instance.inner_from_outer)),
                         query,
                     );
                 } else {
