@@ -35,6 +35,7 @@ pub const TARGETS: &[Target] = &[
     ("mtl", mtl::run),
     ("ply", models::ply),
     ("stl", models::stl),
+    ("gltf", models::gltf),
     ("texture", texture::run),
     ("path", path::run),
     ("builder", builder::run),

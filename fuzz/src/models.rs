@@ -1,4 +1,4 @@
-//! Models of triangles alone: PLY and STL, of text or of bytes.
+//! Models in one file: PLY, STL and glTF, of text or of bytes.
 
 use rtscript::{
     Builder, MemoryHost,
@@ -18,8 +18,15 @@ pub fn stl(data: &[u8]) {
     load("a.stl", data);
 }
 
+/// The file `a.bin` beside it has every byte once.
+pub fn gltf(data: &[u8]) {
+    load("a.gltf", data);
+}
+
 fn load(name: &str, data: &[u8]) {
-    let host = MemoryHost::new().with(name, data);
+    let host = MemoryHost::new()
+        .with(name, data)
+        .with("a.bin", (0..=255).collect::<Vec<u8>>());
     let text = String::from_utf8_lossy(data);
     let texts = [(name, &*text)];
     let limits = limits();

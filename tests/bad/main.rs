@@ -1,4 +1,4 @@
-//! Bad input with the whole of what is said about it, as data: `script.txt`, `course.txt`, `model.txt`, `picture.txt`.
+//! Bad input with the whole of what is said about it, as data: `script.txt`, `course.txt`, `model.txt`, `gltf.txt`, `picture.txt`.
 //!
 //! A case is an input between `## input` and `## says`, which names the kind of the error, and below that the words.
 //! `## input raw` has `\r`, `\0` and `\u{..}` escaped. Each input is there for a reason of its own.
@@ -197,6 +197,27 @@ fn of_model(text: &str) -> Option<Error> {
         .map(Error::from)
 }
 
+/// What is put in place of what, in `base.gltf`. Its buffer has three corners, as many texture coordinates, and their numbers.
+fn of_gltf(text: &str) -> Option<Error> {
+    const BASE: &str = include_str!("base.gltf");
+    let (old, new) = text.split_once("=>").unwrap();
+    assert!(BASE.contains(old.trim()), "{old} is not there");
+    let changed = BASE.replacen(old.trim(), new.trim(), 1);
+    let corners = [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]];
+    let uvs = [[0.0f32, 0.0], [1.0, 0.0], [0.0, 1.0]];
+    let numbers = corners.iter().flatten().chain(uvs.iter().flatten());
+    let mut bytes: Vec<u8> = numbers.flat_map(|x| x.to_le_bytes()).collect();
+    bytes.extend([0, 1, 2, 3]);
+    let host = MemoryHost::new()
+        .with("a.gltf", changed.as_bytes())
+        .with("a.bin", bytes)
+        .with("white.png", picture::made("png"));
+    let (limits, mut cache) = (Limits::untrusted(), AssetCache::default());
+    let mut assets = Assets::new(&host, &limits, &mut cache);
+    let loaded = load_mesh("a.gltf", &mut assets, &mut Builder::new());
+    loaded.err().map(Error::from)
+}
+
 fn of_picture(text: &str) -> Option<Error> {
     let bytes = picture::made(text);
     let (limits, host) = (Limits::untrusted(), MemoryHost::new().with("a.png", bytes));
@@ -218,6 +239,12 @@ fn course_scenes() {
 #[test]
 fn models_and_materials() {
     check_file("model.txt", 120, of_model);
+}
+
+#[test]
+fn gltf_files() {
+    assert!(of_gltf("2.0 => 2.0").is_none());
+    check_file("gltf.txt", 80, of_gltf);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Lists of numbers in a file's buffers, looked up one by one, so that nothing is made of what no triangle uses.
 
 use super::{
-    super::assets::Assets,
+    super::{assets::Assets, text::counted},
     bytes::Buffers,
     item::{Item, Kind},
 };
@@ -201,16 +201,20 @@ fn elements<'b, 'a>(
         None => Some(0),
     };
     let behind = behind.and_then(|n| n.checked_add(offset));
-    match bytes.get(offset..).filter(|_| behind.is_some_and(|n| n <= bytes.len())) {
+    match bytes
+        .get(offset..)
+        .filter(|_| behind.is_some_and(|n| n <= bytes.len()))
+    {
         Some(bytes) => Ok(Elements {
             bytes,
             stride,
             component,
         }),
         None => Err(item.error(format!(
-            "{count} elements of {size} bytes, {stride} apart, from byte {offset} on do not fit into the {} bytes of {}",
-            bytes.len(),
-            VIEW.one
+            "{} of {}, {stride} apart, from byte {offset} on do not fit into the {} of the buffer view",
+            counted(count, "element", "elements"),
+            counted(size, "byte", "bytes"),
+            counted(bytes.len(), "byte", "bytes")
         ))),
     }
 }

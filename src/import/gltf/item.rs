@@ -7,6 +7,7 @@ use super::super::{
     text::{Source, counted, quoted},
 };
 use crate::{
+    color::Color,
     diag::{Code, Diagnostic, ErrorKind, SourceLoc},
     scene::Builder,
 };
@@ -123,7 +124,17 @@ impl<'p, 'a> Item<'p, 'a> {
 
     fn wrong(&self, wanted: impl fmt::Display) -> Diagnostic {
         let found = match &self.json.value {
-            Value::Number(x) => x.to_string(),
+            Value::Number(_) => {
+                let is_end = |c: char| matches!(c, ',' | '}' | ']') || c.is_ascii_whitespace();
+                let word: String = self
+                    .json
+                    .at
+                    .chars()
+                    .take_while(|c| !is_end(*c))
+                    .take(40)
+                    .collect();
+                word
+            }
             Value::String(s) => quoted(s),
             Value::Bool(b) => b.to_string(),
             other => other.kind().to_owned(),
@@ -214,15 +225,15 @@ impl<'p, 'a> Item<'p, 'a> {
             return Ok(x);
         }
         Err(match most.is_finite() {
-            true => self.wrong(format_args!("a number from {least} to {most}")),
-            false => self.wrong(format_args!("a number of at least {least}")),
+            true => self.wrong(format_args!("a number from {} to {}", short(least), short(most))),
+            false => self.wrong(format_args!("a number of at least {}", short(least))),
         })
     }
 
     /// A whole number, 0 or greater.
     pub(super) fn whole(&self) -> Result<usize, Diagnostic> {
         match self.json.value {
-            Value::Number(x) if x >= 0.0 && x.fract() == 0.0 && x < 9.0e15 => Ok(x as usize),
+            Value::Number(x) if x >= 0.0 && x.fract() == 0.0 && x <= 9.007e15 => Ok(x as usize),
             _ => Err(self.wrong("a whole number, 0 or greater")),
         }
     }
@@ -263,10 +274,22 @@ impl<'p, 'a> Item<'p, 'a> {
         }
         let there_are = match count {
             0 => format!("there are no {}", kind.list),
-            1 => format!("there is 1 in {}, numbered from 0", kind.list),
+            1 => format!("the only one of {} is 0", kind.list),
             n => format!("there are {n} {}, numbered from 0", kind.list),
         };
         Err(self.error(format!("{} {i} is none: {there_are}", kind.one)))
+    }
+
+    /// Three numbers of at most `most`, or what counts where they are not there.
+    pub(super) fn color_or(&'p self, name: &'p str, default: f64, most: f64) -> Result<Color, Diagnostic> {
+        let Some(item) = self.get(name)? else {
+            return Ok(Color::splat(default));
+        };
+        let color = item.numbers()?;
+        for entry in item.entries()? {
+            entry.within(0.0, most)?;
+        }
+        Ok(Color::from_array(color))
     }
 
     /// As [`Item::get`] and then [`Item::number`], or what counts where it is not there.
@@ -282,5 +305,13 @@ impl<'p, 'a> Item<'p, 'a> {
     /// As [`Item::number_or`], for a whole number.
     pub(super) fn whole_or(&'p self, name: &'p str, default: usize) -> Result<usize, Diagnostic> {
         self.get(name)?.map_or(Ok(default), |item| item.whole())
+    }
+}
+
+/// A number without long rows of zeros.
+fn short(x: f64) -> String {
+    match x.abs() {
+        0.0 | 1e-3..1e6 => x.to_string(),
+        _ => format!("{x:e}"),
     }
 }

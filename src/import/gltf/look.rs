@@ -20,6 +20,8 @@ use crate::{
 
 /// The index of refraction of what is no metal, where the file says nothing else.
 const IOR: f64 = 1.5;
+/// The largest factor of what has none in the format.
+const BRIGHTEST: f64 = 1e6;
 /// Extensions of materials that are read.
 const READ: [&str; 8] = [
     "KHR_materials_unlit",
@@ -207,11 +209,15 @@ impl<'a> Look<'_, '_, 'a, '_, '_> {
                 self.warn(extensions, name, &format!("{name} is not used"));
             }
         }
-        let factor = match pbr.get("baseColorFactor")? {
-            Some(item) => item.numbers()?,
+        let [r, g, b, solid] = match pbr.get("baseColorFactor")? {
+            Some(item) => {
+                for entry in item.entries()? {
+                    entry.within(0.0, 1.0)?;
+                }
+                item.numbers()?
+            }
             None => [1.0; 4],
         };
-        let [r, g, b, solid] = factor;
         let color = Color::new(r, g, b);
         let base = Paint {
             color,
@@ -389,14 +395,15 @@ impl<'a> Look<'_, '_, 'a, '_, '_> {
     }
 
     fn emission(&mut self, item: &Item<'_, 'a>, extensions: &Item<'_, 'a>) -> Result<Paint, Diagnostic> {
-        let factor = item
-            .get("emissiveFactor")?
-            .map_or(Ok([0.0; 3]), |item| item.numbers())?;
+        let factor = item.color_or("emissiveFactor", 0.0, BRIGHTEST)?;
         let strength = match extensions.get("KHR_materials_emissive_strength")? {
-            Some(item) => item.number_or("emissiveStrength", 1.0)?,
+            Some(item) => match item.get("emissiveStrength")? {
+                Some(item) => item.within(0.0, BRIGHTEST)?,
+                None => 1.0,
+            },
             None => 1.0,
         };
-        let color = Color::from_array(factor) * strength;
+        let color = factor * strength;
         if color == Color::ZERO {
             return Ok(BLACK);
         }
@@ -453,10 +460,8 @@ impl<'a> Look<'_, '_, 'a, '_, '_> {
                 self.warn(&entry, name, "the texture is not used, its factor is");
             }
         }
-        let color = item
-            .get("specularColorFactor")?
-            .map_or(Ok([1.0; 3]), |item| item.numbers())?;
-        Ok(Color::from_array(color) * item.share_or("specularFactor", 1.0)?)
+        let color = item.color_or("specularColorFactor", 1.0, BRIGHTEST)?;
+        Ok(color * item.share_or("specularFactor", 1.0)?)
     }
 
     /// The share of what goes in that goes through.
@@ -503,10 +508,8 @@ impl<'a> Look<'_, '_, 'a, '_, '_> {
         finish: &mut Finish,
     ) -> Result<(), Diagnostic> {
         if let Some(distance) = volume.get("attenuationDistance")? {
-            let color = volume
-                .get("attenuationColor")?
-                .map_or(Ok([1.0; 3]), |item| item.numbers())?;
-            let color = Color::from_array(color.map(|x| x.clamp(1e-9, 1.0)));
+            let color = volume.color_or("attenuationColor", 1.0, 1.0)?;
+            let color = color.max(Color::splat(1e-9));
             if color != Color::ONE {
                 let distance = distance.within(1e-9, 1e15)?;
                 finish.absorption = Some(Absorption {

@@ -207,3 +207,6 @@ fn warn(root: &Item<'_, '_>, builder: &mut Builder) -> Result<(), Diagnostic> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests;

@@ -296,7 +296,10 @@ impl<'a, 's, 'h> Triangles<'a, 's, 'h> {
     ) -> Result<[u32; 3], Diagnostic> {
         let error = |way: &str, what: &str, values: &[f64], wanted: &str| {
             let values: Vec<String> = values.iter().map(ToString::to_string).collect();
-            let message = format!("{way}: {what} {i} is {}; expected {wanted}", values.join(", "));
+            let message = format!(
+                "{way}: {what} {} of vertex {i}; expected {wanted}",
+                values.join(", ")
+            );
             number.place(Diagnostic::error(ErrorKind::Input, message))
         };
         let p = place
@@ -317,7 +320,7 @@ impl<'a, 's, 'h> Triangles<'a, 's, 'h> {
         if let Some((normals, way)) = normals {
             let n = DVec3::from_array(normals.element(i));
             if !n.is_finite() {
-                return Err(error(way, "normal", &n.to_array(), "numbers"));
+                return Err(error(way, "the normal", &n.to_array(), "numbers"));
             }
             let n = place.normal(n);
             lists.normals.push(if n.is_finite() { n } else { DVec3::ZERO });
@@ -328,7 +331,7 @@ impl<'a, 's, 'h> Triangles<'a, 's, 'h> {
             if !(uv.abs().max_element() <= 1e15 && uv.is_finite()) {
                 return Err(error(
                     way,
-                    "texture coordinate",
+                    "the texture coordinates",
                     &uv.to_array(),
                     "numbers within 1e15",
                 ));
