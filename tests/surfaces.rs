@@ -450,3 +450,41 @@ fn formulas_of_dispersion_agree_where_they_say_the_same() {
     let far = greatest_difference(&flint, &prism("ior(1.62004); dispersion(80);"));
     assert!(near < 0.3 * far, "{near} and {far}");
 }
+
+#[test]
+fn rough_metals_give_back_what_goes_between_their_mirrors() {
+    for roughness in [0.1, 0.3, 0.5, 0.7, 0.85, 1.0] {
+        let material = format!("reflection(1, 1, 1); roughness({roughness}); multiscatter(true);");
+        let found = furnace(&material, 300).x;
+        assert!((0.99..1.01).contains(&found), "{roughness}: {found}");
+    }
+    // A conductor of all but perfect mirrors: (1 - 0.001)^2 + k^2 over (1 + 0.001)^2 + k^2.
+    let conductor = "conductor([0.001, 0.001, 0.001], [50, 50, 50]); roughness(0.8); multiscatter(true);";
+    let found = furnace(conductor, 300).x;
+    assert!((0.99..1.01).contains(&found), "{found}");
+    let lost = furnace("reflection(1, 1, 1); roughness(1);", 64).x;
+    assert!(lost < 0.5, "{lost}");
+    // Each bounce between mirrors of gold takes blue away.
+    let gold = |more: &str| furnace(&format!("conductor(\"gold\"); roughness(0.9); {more}"), 64);
+    let (single, all) = (gold(""), gold("multiscatter(true);"));
+    assert!(all.x > 1.3 * single.x && all.z > single.z, "{single} and {all}");
+    assert!(all.z / all.x < single.z / single.x, "{single} and {all}");
+    // Highlights of lamps grow as the mirror does.
+    let lit = |more: &str| {
+        let scene = format!(
+            "size(1, 1); ambient(0, 0, 0); camera([0, 5, 0], [0, 0, 0], [0, 0, 1], 0.01); directional([0.3, 1, 0], [1, 1, 1]);\n\
+             reflection(1, 1, 1); roughness(0.8); {more}\nplane();"
+        );
+        render(&scene).image.pixel(0, 0).unwrap().x
+    };
+    let growth = lit("multiscatter(true);") / lit("");
+    assert!((1.6..2.0).contains(&growth), "{growth}");
+    // What is smooth or lets light through has none to give back.
+    for material in [
+        "reflection(1, 1, 1);",
+        "transmission(1, 1, 1); fresnel(true); roughness(0.5);",
+    ] {
+        let same = greatest_difference(&ball(material), &ball(&format!("multiscatter(true); {material}")));
+        assert!(same < 1e-9, "{material}: {same}");
+    }
+}

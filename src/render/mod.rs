@@ -2,6 +2,7 @@
 
 mod adaptive;
 mod around;
+mod bounces;
 mod coarse;
 mod compiled;
 pub(crate) mod daylight;

@@ -2,6 +2,7 @@
 //! loop, which a scene without them runs as if there were none.
 
 use super::{
+    bounces::compensation,
     integrator::{Branch, LEAST_WEIGHT, Path, refract},
     microfacet::{Ggx, frame, fresnel_dielectric, fresnel_metal, oren_nayar},
     observe::{Observer, RayKind},
@@ -216,6 +217,8 @@ pub(super) struct Polished<'s> {
     mirror: Color,
     transmission: Color,
     rough: Option<Ggx>,
+    /// What the rough mirror is multiplied by, where light between its tiny mirrors is not to be lost.
+    boost: Option<Color>,
     /// Index of refraction and absorption coefficient of a metal.
     metal: Option<[Color; 2]>,
     /// Roughness of Kd in degrees.
@@ -280,7 +283,11 @@ impl<'s> Polished<'s> {
         };
         let n = at.shading_normal;
         let (t, b) = frame(n);
-        Self {
+        let roughness = finish
+            .roughness
+            .as_ref()
+            .map(|roughness| finish_mean(term(roughness)));
+        let mut polished = Self {
             finish,
             frame: [t, b, n],
             geometric_normal: at.geometric_normal,
@@ -292,10 +299,8 @@ impl<'s> Polished<'s> {
             })),
             mirror,
             transmission,
-            rough: finish
-                .roughness
-                .as_ref()
-                .and_then(|roughness| Ggx::new(finish_mean(term(roughness)))),
+            rough: roughness.and_then(Ggx::new),
+            boost: None,
             metal: metal(world, finish, at),
             sigma: finish
                 .oren_nayar
@@ -313,7 +318,16 @@ impl<'s> Polished<'s> {
             wavelength,
             inside,
             behind,
+        };
+        if finish.multiscatter
+            && let Some(roughness) =
+                roughness.filter(|_| polished.rough.is_some() && transmission == Color::ZERO)
+        {
+            polished.boost = Some(compensation(roughness, polished.eye().z, |cosine| {
+                polished.mirror * polished.shares(cosine).0
+            }));
         }
+        polished
     }
 
     fn local(&self, v: DVec3) -> DVec3 {
@@ -370,7 +384,10 @@ impl<'s> Polished<'s> {
         let mut sum = self.diffuse * inward * oren_nayar(sigma, eye, light);
         let (mirrored, _) = self.shares(cosine);
         match &self.rough {
-            Some(rough) => sum += self.mirror * mirrored * rough.highlight(eye, light),
+            Some(rough) => {
+                let boosted = self.boost.map_or(mirrored, |boost| mirrored * boost);
+                sum += self.mirror * boosted * rough.highlight(eye, light);
+            }
             None if self.specular != Color::ZERO && half.z > 0.0 => {
                 sum += self.specular * mirrored * self.exponent.of(half.z.min(1.0));
             }
@@ -424,6 +441,9 @@ impl<'s> Polished<'s> {
         let under_coat = 1.0 - self.coat(eye.z);
         let (dir, left) = self.mirrored(eye, h, self.rough.as_ref());
         let mut kr = self.mirror * to_mirror * (left * under_coat);
+        if let Some(boost) = self.boost {
+            kr *= boost;
+        }
         let kt = self.transmission * under_coat;
         let mut followed = |kind, share: Color, weight: Color| {
             let weight = weight * share;

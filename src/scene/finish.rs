@@ -113,6 +113,9 @@ pub struct Finish {
     pub bump: Option<Bump>,
     /// Relief by a picture of normals.
     pub normal_map: Option<NormalMap>,
+    /// What is thrown from one of the tiny mirrors of an opaque rough surface to another is not lost: rough metals are brighter
+    /// and have stronger colors.
+    pub multiscatter: bool,
     /// In place of [`Material::shininess`] where it varies, a [number](Term::number).
     pub shininess: Option<Term>,
     /// In place of [`Material::ior`] where it varies, a [number](Term::number) of at least 0.001.
@@ -207,6 +210,7 @@ impl Finish {
             dispersion,
             bump,
             normal_map,
+            multiscatter: _,
             shininess,
             ior,
         } = *self;

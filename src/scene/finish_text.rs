@@ -39,6 +39,7 @@ impl Finish {
             dispersion,
             bump,
             normal_map,
+            multiscatter,
             shininess,
             ior,
         } = self;
@@ -85,6 +86,9 @@ impl Finish {
         if let Some(ior) = ior {
             set.push(("ior", number(ior)));
         }
+        if *multiscatter {
+            set.push(("multiscatter", "true".to_owned()));
+        }
         if let Some(NormalMap {
             texture: id,
             strength,
@@ -119,6 +123,7 @@ impl Finish {
             ("conductor", "()"),
             ("dispersion", "()"),
             ("fresnel", "false"),
+            ("multiscatter", "false"),
             ("normalMap", "()"),
             ("orenNayar", "0"),
             ("roughness", "()"),

@@ -104,8 +104,8 @@ impl Group {
                  has the color Ka + Ke + the sum over the lights of V L (Kd max(N.L, 0) + Ks max(N.H, 0)^s) + Kr times \
                  what its mirror sees + Kt times what is seen through it. L is the light, V how much of it arrives, N \
                  the normal, H the direction halfway between light and eye, s the shininess. fresnel, conductor, roughness, \
-                 orenNayar, clearCoat, absorption, dispersion, bump and normalMap go beyond that. A texture, which is a \
-                 picture, a pattern or made of such, may stand for any color."
+                 multiscatter, orenNayar, clearCoat, absorption, dispersion, bump and normalMap go beyond that. A texture, \
+                 which is a picture, a pattern or made of such, may stand for any color or number."
             }
             Self::Assets => "Files are read below the script's folder only. The same file is read once.",
             Self::Lights => {

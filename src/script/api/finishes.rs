@@ -19,13 +19,14 @@ use crate::{
 };
 
 /// Their keys in `material(#{ })`.
-pub(super) const KEYS: [&str; 9] = [
+pub(super) const KEYS: [&str; 10] = [
     "absorption",
     "bump",
     "clearCoat",
     "conductor",
     "dispersion",
     "fresnel",
+    "multiscatter",
     "normalMap",
     "orenNayar",
     "roughness",
@@ -68,6 +69,12 @@ pub(super) const ENTRIES: &[Entry] = &[
         .usage("roughness(0.3)")
         .example(studio!("reflection(0.9, 0.9, 0.9);\nfor i in 0..3 {\n  roughness(0.1 + 0.2 * i);\n  sphere(i * 1.9 - 1.9, 0, 0, 0.9);\n}"))
         .also(&["microfacet", "ggx", "frosted", "blurry", "glossy"]),
+    Entry::scene(Group::Materials, "multiscatter", multiscatter)
+        .takes(&[&[Param::new("on", Kind::Any, "none", "true or false")]])
+        .doc("Gives back the light that the tiny mirrors of a rough, opaque surface throw at each other, which roughness(r) alone takes for lost: up to 60 % of it where r is 1. Rough metals get brighter, and their colors stronger. Glass stays as it is. Default: false.")
+        .usage("multiscatter(true)")
+        .example(studio!("roughness(0.8);\nconductor(\"copper\");\nsphere(-1.1, 0, 0, 1);\nmultiscatter(true);\nsphere(1.1, 0, 0, 1);"))
+        .also(&["multipleScattering", "energyCompensation", "kullaConty", "MULTI_GGX"]),
     Entry::scene(Group::Materials, "orenNayar", oren_nayar)
         .takes(&[&[amount_param("sigma", "degrees", "spread of the slopes, 0 to 90; clay 20, the moon 40")]])
         .doc("Makes Kd that of a rough matt surface, which is flatter than Lambert's: clay, cloth, the moon. Default: 0, Lambert.")
@@ -144,10 +151,21 @@ fn change(state: &mut State, change: impl FnOnce(&mut Finish)) -> Outcome {
 fn fresnel(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     let given = call.any()?;
     call.end()?;
-    let on = given
-        .as_bool()
-        .map_err(|_| call.wrong_kind("on", "true or false", given))?;
+    let on = switch(call, "on", given)?;
     change(state, |f| f.fresnel = on)
+}
+
+fn multiscatter(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
+    let given = call.any()?;
+    call.end()?;
+    let on = switch(call, "on", given)?;
+    change(state, |f| f.multiscatter = on)
+}
+
+fn switch(call: &Call<'_, '_>, name: &str, given: &Dynamic) -> Outcome<bool> {
+    given
+        .as_bool()
+        .map_err(|_| call.wrong_kind(name, "true or false", given))
 }
 
 fn conductor(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
@@ -323,11 +341,8 @@ pub(super) fn set(
         Ok(scene_term(state, &value))
     };
     match key {
-        "fresnel" => {
-            f.fresnel = value
-                .as_bool()
-                .map_err(|_| call.wrong_kind(key, "true or false", value))?;
-        }
+        "fresnel" => f.fresnel = switch(call, key, value)?,
+        "multiscatter" => f.multiscatter = switch(call, key, value)?,
         "orenNayar" if none => f.oren_nayar = None,
         "orenNayar" => f.oren_nayar = Some(amount_from(call, state, key, value)?).filter(is_any),
         "absorption" if none => f.absorption = None,
@@ -383,7 +398,7 @@ pub(super) fn set(
 }
 
 /// What `material()` returns of it.
-pub(super) fn as_map(state: &State, f: &Finish) -> [(&'static str, Dynamic); 9] {
+pub(super) fn as_map(state: &State, f: &Finish) -> [(&'static str, Dynamic); 10] {
     let map = |entries: &[(&str, Dynamic)]| {
         let entries = entries.iter().map(|(key, value)| ((*key).into(), value.clone()));
         Dynamic::from_map(entries.collect())
@@ -428,6 +443,7 @@ pub(super) fn as_map(state: &State, f: &Finish) -> [(&'static str, Dynamic); 9] 
                 .map(|dispersion| glasses::as_value(state, &dispersion))),
         ),
         ("fresnel", Dynamic::from(f.fresnel)),
+        ("multiscatter", Dynamic::from(f.multiscatter)),
         (
             "normalMap",
             of(f.normal_map.map(|m| {

@@ -17,7 +17,7 @@ use crate::{
     },
 };
 
-const KEYS: [&str; 17] = [
+const KEYS: [&str; 18] = [
     "absorption",
     "ambient",
     "bump",
@@ -28,6 +28,7 @@ const KEYS: [&str; 17] = [
     "emission",
     "fresnel",
     "ior",
+    "multiscatter",
     "normalMap",
     "orenNayar",
     "reflection",
@@ -87,7 +88,7 @@ pub(super) const ENTRIES: &[Entry] = &[
     Entry::scene(Group::Materials, "material", material)
         .takes(&[
             &[],
-            &[map("options", "any of ambient, diffuse, emission, ior, reflection, shininess, specular, transmission; fresnel, conductor (a name or #{ eta, k }), roughness, orenNayar, clearCoat (#{ strength, roughness }), absorption (#{ color, distance }), dispersion (an Abbe number, a glass, #{ cauchy } or #{ sellmeier }), bump (#{ texture, height }), normalMap (#{ image, strength })").keys(&KEYS)],
+            &[map("options", "any of ambient, diffuse, emission, ior, reflection, shininess, specular, transmission; fresnel, conductor (a name or #{ eta, k }), roughness, multiscatter, orenNayar, clearCoat (#{ strength, roughness }), absorption (#{ color, distance }), dispersion (an Abbe number, a glass, #{ cauchy } or #{ sellmeier }), bump (#{ texture, height }), normalMap (#{ image, strength })").keys(&KEYS)],
         ])
         .returns("map")
         .doc("Sets several terms at once and returns the whole state as a map. material(m) puts such a map back. A reflection of () follows Ks again, and () takes a bump, a roughness and the like away. Whatever is a color or a number may have a texture.")
