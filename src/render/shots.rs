@@ -76,6 +76,11 @@ impl<'s> Shots<'s> {
         self.settings.samples
     }
 
+    /// Whether each sample sees another moment, of the world or by the camera.
+    pub(super) fn moves(&self) -> bool {
+        self.world_moves || self.frame.moves()
+    }
+
     /// Rays of a sample.
     pub(super) fn eyes(&self) -> u32 {
         self.frame.eyes().len() as u32
@@ -165,7 +170,7 @@ impl<'s> Shots<'s> {
         };
         let place = [f64::from(x) + dx, f64::from(y) + dy];
         let (mut moved, mut share) = (None, 0.0);
-        if self.frame.moves() || self.world_moves {
+        if self.moves() {
             share = match s.sampling {
                 Sampling::Stratified => {
                     let stratum = permuted(index, s.samples, key.bits(TIME));

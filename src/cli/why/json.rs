@@ -63,6 +63,7 @@ pub(super) fn of(answer: &Answer<'_>) -> Value {
         "sample": answer.number,
         "sample_value": vector(answer.sample.value),
         "sample_share": vector(answer.share),
+        "time": answer.sample.time,
         "rays": rays,
     })
 }

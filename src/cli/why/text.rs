@@ -180,12 +180,16 @@ impl Text<'_> {
             0,
             match a.count {
                 1 => "rays; what they add is the pixel".to_owned(),
-                _ => format!(
-                    "rays of sample {}; what they add is {}, of which the pixel takes {}",
-                    a.number,
-                    color(a.sample.value),
-                    share(a.share)
-                ),
+                _ => {
+                    let time = a.sample.time.map(|time| format!(" at time {}", number(time)));
+                    format!(
+                        "rays of sample {}{}; what they add is {}, of which the pixel takes {}",
+                        a.number,
+                        time.unwrap_or_default(),
+                        color(a.sample.value),
+                        share(a.share)
+                    )
+                }
             },
         );
         for ray in rays.iter().take(MOST_RAYS) {
@@ -368,11 +372,19 @@ impl Text<'_> {
     }
 }
 
-/// World from object of what the sample shows, through all instances.
+/// World from object of what the sample shows, through all instances, at the time of the sample.
 pub(super) fn placing(answer: &Answer<'_>) -> DAffine3 {
+    let scene = answer.scene;
+    // Where nothing is blurred, there is but one moment.
+    let time = answer.sample.time.unwrap_or(scene.camera.shutter.open);
     let objects = answer.made_by.iter().map(|(object, _)| *object);
     objects.fold(DAffine3::IDENTITY, |m, object| {
-        m * answer.scene.world_from_object(object)
+        let placed = m * scene.world_from_object(object);
+        let group = object.geometry.group();
+        match group.and_then(|id| scene.groups.get(id.index())?.motion) {
+            Some(motion) => placed * motion.at(time),
+            None => placed,
+        }
     })
 }
 

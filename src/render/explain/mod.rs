@@ -45,6 +45,8 @@ pub struct ExplainedSample<'s> {
     /// What it counts for in the mean of the pixel, each channel against the sum of all weights: 1, but for the channels
     /// that an eye of an anaglyph does not show.
     pub weight: Color,
+    /// The moment that it sees, from 0 to 1, where anything moves while the shutter is open, the camera or a thing.
+    pub time: Option<f64>,
     /// The camera ray first, then each ray followed at once by the mirrored ray that leaves where it ends, with all
     /// that follows from that, then by the refracted one.
     pub rays: Vec<ExplainedRay<'s>>,
@@ -300,11 +302,13 @@ impl<'s> World<'s> {
             .into());
         }
         let shot = shots.shot((x, y), index);
+        let time = shots.moves().then_some(shot.time);
         let interrupt = Interrupt::new(host);
         let Some(probe) = shot.probe else {
             return Ok(ExplainedSample {
                 value: Color::ZERO,
                 weight: shot.weight,
+                time,
                 rays: Vec::new(),
             });
         };
@@ -328,6 +332,7 @@ impl<'s> World<'s> {
         Ok(ExplainedSample {
             value,
             weight: shot.weight,
+            time,
             rays: recorder.rays,
         })
     }

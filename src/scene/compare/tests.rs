@@ -1,5 +1,5 @@
 use super::*;
-use crate::scene::{Builder, Term};
+use crate::scene::{AnimatedTransform, Builder, Term};
 
 /// A scene whose calls stand in the lines that the closure sets.
 fn scene(build: impl Fn(&mut Builder)) -> Scene {
@@ -175,4 +175,34 @@ fn a_hundred_thousand_things_are_matched_soon() {
     let found = changes(&build(0.0), &build(1.0));
     assert_eq!(found.len(), 100_000);
     assert!(found.iter().all(|c| c == "sphere [Moved(DVec3(0.0, 1.0, 0.0))]"));
+}
+
+#[test]
+fn another_motion_is_told_of_what_moves() {
+    let moving = |way: f64, radius: f64| {
+        scene(|b| {
+            line(b, 1);
+            let translate = DVec3::X * way;
+            let motion = AnimatedTransform {
+                translate,
+                ..AnimatedTransform::default()
+            };
+            let mark = b.begin_moving(motion).unwrap();
+            b.sphere(DVec3::ZERO, radius).unwrap();
+            b.end_moving(mark, true).unwrap();
+        })
+    };
+    let a = moving(1.0, 0.5);
+    assert_eq!(changes(&a, &moving(1.0, 0.5)), Vec::<String>::new());
+    let [faster] = <[String; 1]>::try_from(changes(&a, &moving(2.0, 0.5))).unwrap();
+    assert!(
+        faster.starts_with("moving") && faster.contains("translate: [2, 0, 0]"),
+        "{faster}"
+    );
+    let [larger] = <[String; 1]>::try_from(changes(&a, &moving(1.0, 0.7))).unwrap();
+    assert!(
+        larger.starts_with("sphere") && larger.contains("radius"),
+        "{larger}"
+    );
+    assert_ne!(a.hash(), moving(2.0, 0.5).hash());
 }

@@ -9,7 +9,7 @@ use crate::{
     custom::Custom,
     math::DVec3,
     scene::{
-        Encoding, Geometry, Light, Material, Object, Projection, Scene, Term, Texture, dump,
+        Encoding, Geometry, GroupId, Light, Material, Object, Projection, Scene, Term, Texture, dump,
         literal::{Number, Vector},
         source,
     },
@@ -105,6 +105,16 @@ fn form(ways: &mut Vec<Way>, (before, old): (&Scene, &Object), (after, new): (&S
                 value(ways, "vertices or materials", String::new, String::new);
             } else {
                 value(ways, "mesh", || said(a), || said(b));
+            }
+        }
+        (Geometry::Moving(a), Geometry::Moving(b)) => {
+            let said = |scene: &Scene, id: GroupId| {
+                let motion = scene.groups.get(id.index()).and_then(|group| group.motion);
+                motion.unwrap_or_default().to_string()
+            };
+            let (from, to) = (said(before, *a), said(after, *b));
+            if from != to {
+                value(ways, "motion", || from.clone(), || to.clone());
             }
         }
         _ => {}
