@@ -1,9 +1,10 @@
 //! The capsule.
 
 use super::{
-    CrossingSink, Solidity, Surface, positive,
+    CrossingSink, Solidity, Surface,
     rounded::{cross_around, normal_around},
     u_around_y,
+    upright::{self, upright},
 };
 use crate::{
     math::{self, Bounds3, DVec2, DVec3, PI, Ray},
@@ -26,14 +27,15 @@ impl Solidity for Capsule {
     const SOLID: bool = true;
 }
 
+upright!(Capsule, "The radius.", "The whole height.");
+
 impl Capsule {
     /// A capsule of `radius` and whole `height` in object units.
     ///
     /// # Errors
     /// Where a length is not greater than 0 or beyond 1e15, or the height is less than twice the radius.
     pub fn new(radius: f64, height: f64) -> Result<Self, SceneError> {
-        positive("the capsule's radius", radius)?;
-        positive("the capsule's height", height)?;
+        upright::check("capsule", radius, height)?;
         if height < 2.0 * radius {
             return Err(SceneError::new(format!(
                 "the capsule's height must be at least twice its radius, {}, not {height}",
@@ -42,23 +44,6 @@ impl Capsule {
             .hint("the height is that of the whole, both round ends included"));
         }
         Ok(Self { radius, height })
-    }
-
-    /// The radius.
-    #[must_use]
-    pub const fn radius(&self) -> f64 {
-        self.radius
-    }
-
-    /// The whole height.
-    #[must_use]
-    pub const fn height(&self) -> f64 {
-        self.height
-    }
-
-    pub(super) fn bounds(&self) -> Option<Bounds3> {
-        let corner = DVec3::new(self.radius, 0.5 * self.height, self.radius);
-        Some(Bounds3::new(-corner, corner))
     }
 
     /// Half of the cylinder's height: a capsule is all within the radius of a part of the axis.

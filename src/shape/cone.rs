@@ -1,6 +1,11 @@
 //! The closed cone.
 
-use super::{CrossingSink, Solidity, Surface, cap_uv, positive, span::Span, u_around_y};
+use super::{
+    CrossingSink, Solidity, Surface, cap_uv,
+    span::Span,
+    u_around_y,
+    upright::{self, upright},
+};
 use crate::{
     math::{Bounds3, DVec2, DVec3, Ray},
     scene::SceneError,
@@ -27,32 +32,16 @@ impl Solidity for Cone {
 const SIDE: u32 = 0;
 const BASE: u32 = 1;
 
+upright!(Cone, "The radius of the base.", "The full height.");
+
 impl Cone {
     /// A cone with a base of `radius` and full `height` in object units.
     ///
     /// # Errors
     /// Where one of them is not greater than 0 or beyond 1e15.
     pub fn new(radius: f64, height: f64) -> Result<Self, SceneError> {
-        positive("the cone's radius", radius)?;
-        positive("the cone's height", height)?;
+        upright::check("cone", radius, height)?;
         Ok(Self { radius, height })
-    }
-
-    /// The radius of the base.
-    #[must_use]
-    pub const fn radius(&self) -> f64 {
-        self.radius
-    }
-
-    /// The full height.
-    #[must_use]
-    pub const fn height(&self) -> f64 {
-        self.height
-    }
-
-    pub(super) fn bounds(&self) -> Option<Bounds3> {
-        let corner = DVec3::new(self.radius, self.height * 0.5, self.radius);
-        Some(Bounds3::new(-corner, corner))
     }
 
     #[inline]

@@ -1,6 +1,11 @@
 //! The closed cylinder.
 
-use super::{CrossingSink, Solidity, Surface, cap_uv, positive, span::Span, u_around_y};
+use super::{
+    CrossingSink, Solidity, Surface, cap_uv,
+    span::Span,
+    u_around_y,
+    upright::{self, upright},
+};
 use crate::{
     math::{Bounds3, DVec2, DVec3, Ray},
     scene::SceneError,
@@ -28,32 +33,16 @@ const SIDE: u32 = 0;
 const BOTTOM: u32 = 1;
 const TOP: u32 = 2;
 
+upright!(Cylinder, "The radius.", "The full height.");
+
 impl Cylinder {
     /// A cylinder of `radius` and full `height` in object units.
     ///
     /// # Errors
     /// Where one of them is not greater than 0 or beyond 1e15.
     pub fn new(radius: f64, height: f64) -> Result<Self, SceneError> {
-        positive("the cylinder's radius", radius)?;
-        positive("the cylinder's height", height)?;
+        upright::check("cylinder", radius, height)?;
         Ok(Self { radius, height })
-    }
-
-    /// The radius.
-    #[must_use]
-    pub const fn radius(&self) -> f64 {
-        self.radius
-    }
-
-    /// The full height.
-    #[must_use]
-    pub const fn height(&self) -> f64 {
-        self.height
-    }
-
-    pub(super) fn bounds(&self) -> Option<Bounds3> {
-        let corner = DVec3::new(self.radius, self.height * 0.5, self.radius);
-        Some(Bounds3::new(-corner, corner))
     }
 
     #[inline]

@@ -35,6 +35,7 @@ mod torus;
 pub mod triangle;
 pub(crate) mod triangles;
 mod triangulate;
+mod upright;
 
 pub use blob::{Blob, BlobPart};
 pub use capsule::Capsule;
