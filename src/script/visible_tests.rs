@@ -11,6 +11,7 @@ use std::{any::TypeId, collections::BTreeSet, fs, path::Path, sync::Arc};
 use rhai::{Array, Blob, Dynamic, FnPtr, FuncRegistration, ImmutableString, Map, Module, RhaiFunc};
 
 use super::{
+    api::{CurveValue, StreamValue},
     engine,
     value::{ImageValue, ScriptError, TextureValue},
 };
@@ -48,6 +49,8 @@ fn types() -> Vec<(&'static str, TypeId)> {
         ("f32", TypeId::of::<f32>()),
         ("sdf", TypeId::of::<crate::shape::Sdf>()),
         ("field", TypeId::of::<crate::shape::Field>()),
+        ("curve", TypeId::of::<CurveValue>()),
+        ("stream", TypeId::of::<StreamValue>()),
     ]
 }
 
@@ -57,7 +60,29 @@ const IN_FOURS: usize = 12;
 
 /// Functions of each package that are not listed, because they have a name or a type of a parameter that is not tried: of
 /// Rhai's package of iterators, ranges with steps over number types that scripts do not have, and some of ours.
-const UNNAMED: [usize; 10] = [0, 0, 0, 0, 0, 0, 19, 0, 0, 88];
+const UNNAMED: [usize; 10] = [0, 0, 0, 0, 0, 0, 19, 0, 0, 61];
+
+/// Functions and properties of ours that stand in no table: `api/numbers.rs`.
+const NUMBERS: [&str; 18] = [
+    "PI",
+    "E",
+    "to_float",
+    "to_radians",
+    "to_degrees",
+    "ceiling",
+    "fraction",
+    "is_nan",
+    "is_finite",
+    "is_infinite",
+    "get$floor",
+    "get$ceiling",
+    "get$round",
+    "get$int",
+    "get$fraction",
+    "get$is_nan",
+    "get$is_finite",
+    "get$is_infinite",
+];
 
 /// The hash by which a module knows the function.
 fn hash(name: &str, types: &[TypeId]) -> u64 {
@@ -133,7 +158,10 @@ fn lists(n: usize) -> Vec<Vec<(&'static str, TypeId)>> {
 }
 
 fn found(modules: &[Module], names: &BTreeSet<String>) -> BTreeSet<String> {
-    let most: Vec<_> = (0..=18).map(lists).collect();
+    let mut most: Vec<_> = (0..=22).map(lists).collect();
+    // Of points, each coordinate a field.
+    let field = ("field", TypeId::of::<crate::shape::Field>());
+    most.push(vec![vec![field; 3]]);
     let mut lines = BTreeSet::new();
     for name in names {
         for list in most.iter().flatten() {
@@ -164,6 +192,7 @@ fn every_function_that_scripts_see_is_listed() {
         let known = text.lines().map(|line| parsed(line).0.to_owned());
         let names = own
             .chain(known)
+            .chain(NUMBERS.map(str::to_owned))
             .chain(more.lines().map(str::to_owned))
             .filter(|name| !name.is_empty())
             .collect();

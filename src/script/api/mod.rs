@@ -40,6 +40,8 @@ mod views;
 
 pub(super) use queries::Queries;
 pub(super) use random::Stream;
+#[cfg(test)]
+pub(super) use {random::StreamValue, splines::CurveValue};
 
 use rhai::Module;
 

@@ -79,7 +79,7 @@ impl Stream {
 
 /// A row of random numbers of its own. Copies go on where the others are.
 #[derive(Clone, Debug)]
-pub(super) struct StreamValue {
+pub(in crate::script) struct StreamValue {
     name: Arc<str>,
     state: Arc<AtomicU64>,
 }

@@ -74,7 +74,7 @@ pub(super) const ENTRIES: &[Entry] = &[
 
 /// A curve as scripts hold it.
 #[derive(Clone, Debug)]
-pub(super) struct CurveValue {
+pub(in crate::script) struct CurveValue {
     kind: Spline,
     pieces: Arc<[Piece<3>]>,
 }
