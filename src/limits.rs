@@ -63,6 +63,9 @@ pub struct Limits {
     pub texture_side: u32,
     /// Bytes an image decoder may take. Default: 1 GiB.
     pub decode_bytes: u64,
+    /// Bytes that all pictures which a script reads or makes take as textures, with the copies of them for what is far away.
+    /// Default: 4 GiB. Looked at after each, so that one more may go beyond.
+    pub total_decode_bytes: u64,
     /// Edge of the picture in pixels. Default: 32,768.
     pub image_side: u32,
     /// Pixels of the picture. Default: 256 million.
@@ -103,6 +106,7 @@ impl Default for Limits {
             total_file_bytes: 4 << 30,
             texture_side: 16_384,
             decode_bytes: 1 << 30,
+            total_decode_bytes: 4 << 30,
             image_side: 32_768,
             pixels: 256_000_000,
             samples: 65_536,
@@ -141,6 +145,7 @@ impl Limits {
             total_file_bytes: 64 << 20,
             texture_side: 2_048,
             decode_bytes: 64 << 20,
+            total_decode_bytes: 128 << 20,
             image_side: 2_048,
             pixels: 2_000_000,
             samples: 64,

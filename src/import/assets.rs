@@ -26,6 +26,8 @@ pub struct AssetCache {
     fonts: BTreeMap<String, Font>,
     files: usize,
     bytes: u64,
+    /// Bytes of all textures.
+    decoded: u64,
     kept: Option<KeptAssets>,
     /// Copies of pictures that were asked for.
     pyramids: Vec<(Arc<Texture>, Arc<Pyramid>)>,
@@ -41,10 +43,51 @@ impl AssetCache {
         }
     }
 
+    /// Counts the memory of a picture that was read or made; `what` names it.
+    ///
+    /// # Errors
+    /// Past the limit `total_decode_bytes`.
+    pub(crate) fn count(
+        &mut self,
+        what: &str,
+        image: &ImageTexture,
+        limits: &Limits,
+    ) -> Result<(), SceneError> {
+        self.count_bytes(what, image.bytes(), limits)
+    }
+
+    /// As [`AssetCache::count`], of what [`AssetCache::pyramid`] takes: nothing where it has been asked for before.
+    pub(crate) fn count_copies(
+        &mut self,
+        texture: &Arc<Texture>,
+        image: &ImageTexture,
+        limits: &Limits,
+    ) -> Result<(), SceneError> {
+        if self.known_pyramid(texture).is_some() {
+            return Ok(());
+        }
+        let what = format!("a copy of '{}' for what is far away", image.name);
+        self.count_bytes(&what, Pyramid::bytes_of(image), limits)
+    }
+
+    fn count_bytes(&mut self, what: &str, bytes: u64, limits: &Limits) -> Result<(), SceneError> {
+        self.decoded = self.decoded.saturating_add(bytes);
+        if self.decoded > limits.total_decode_bytes {
+            let what = format!("{what} is too much, with all pictures before it");
+            let limit = limits.total_decode_bytes;
+            return Err(SceneError::limit(&what, "total_decode_bytes", limit));
+        }
+        Ok(())
+    }
+
+    fn known_pyramid(&self, texture: &Arc<Texture>) -> Option<&Arc<Pyramid>> {
+        let known = self.pyramids.iter().find(|(of, _)| Arc::ptr_eq(of, texture));
+        known.map(|(_, pyramid)| pyramid)
+    }
+
     /// The copies of a picture for what is far away, the same for the same picture.
     pub(crate) fn pyramid(&mut self, texture: &Arc<Texture>, image: &ImageTexture) -> Arc<Pyramid> {
-        let known = self.pyramids.iter().find(|(of, _)| Arc::ptr_eq(of, texture));
-        if let Some((_, pyramid)) = known {
+        if let Some(pyramid) = self.known_pyramid(texture) {
             return Arc::clone(pyramid);
         }
         let pyramid = Arc::new(Pyramid::new(image));
@@ -160,7 +203,7 @@ impl<'a> Assets<'a> {
     ///
     /// # Errors
     /// As [`Assets::read`]; where the file is no PNG or JPEG picture, is damaged, or passes the limits
-    /// `texture_side` or `decode_bytes`.
+    /// `texture_side`, `decode_bytes` or, with all textures before it, `total_decode_bytes`.
     pub fn texture(&mut self, path: &str) -> Result<Arc<Texture>, Diagnostic> {
         let key = key(path);
         if let Some(texture) = self.cache.textures.get(&key) {
@@ -180,6 +223,9 @@ impl<'a> Assets<'a> {
                 texture
             }
         };
+        if let Texture::Image(image) = &*texture {
+            self.cache.count(&format!("'{path}'"), image, self.limits)?;
+        }
         self.cache.textures.insert(key, Arc::clone(&texture));
         Ok(texture)
     }

@@ -30,6 +30,12 @@ impl Level {
 }
 
 impl Pyramid {
+    /// Bytes that the copies of a picture take, but for a few: a third of its texels, in single precision.
+    pub(crate) fn bytes_of(image: &ImageTexture) -> u64 {
+        let texels = u64::from(image.width) * u64::from(image.height);
+        texels * size_of::<[f32; 3]>() as u64 / 3
+    }
+
     /// The copies of a picture.
     #[must_use]
     pub fn new(image: &ImageTexture) -> Self {

@@ -73,6 +73,17 @@ pub struct ImageTexture {
     pub texels: Texels,
 }
 
+impl ImageTexture {
+    /// Bytes that its texels take.
+    pub(crate) fn bytes(&self) -> u64 {
+        let bytes = match &self.texels {
+            Texels::Srgb8(texels) => size_of_val(&**texels),
+            Texels::Linear(texels) => size_of_val(&**texels),
+        };
+        bytes as u64
+    }
+}
+
 impl Texture {
     /// The color at a surface point with texture coordinates `uv` and object-space position `p`.
     #[must_use]

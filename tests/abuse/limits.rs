@@ -198,6 +198,15 @@ const CASES: &[Case] = &[
         script: |_| "diffuse(image(\"40x40.png\"));".to_owned(),
     },
     Case {
+        limit: "total_decode_bytes",
+        set: |l| l.total_decode_bytes = 20_000,
+        script: |_| {
+            repeated(5, |i| {
+                format!("image(\"40x4{i}.png\", #{{ filter: \"mip\" }});\n")
+            })
+        },
+    },
+    Case {
         limit: "image_side",
         set: as_it_is,
         script: |l| format!("size({}, 1);", l.image_side + 1),

@@ -101,9 +101,9 @@ fn image(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     {
         call.any()?;
         call.end()?;
-        return Ok(Dynamic::from(ImageValue::new(image_from_numbers(
-            call, state, &data,
-        )?)));
+        let image = image_from_numbers(call, state, &data)?;
+        state.assets.count("the image", &image, &state.limits)?;
+        return Ok(Dynamic::from(ImageValue::new(image)));
     }
     let file = call.string("file")?;
     call.end()?;

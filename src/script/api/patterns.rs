@@ -380,6 +380,9 @@ pub(super) fn laid(call: &Call<'_, '_>, state: &mut State, image: Arc<Texture>, 
         }
     }
     let of = Arc::clone(&image);
+    if let (TextureFilter::Mip, Texture::Image(picture)) = (laying.filter, &*of) {
+        state.assets.count_copies(&of, picture, &state.limits)?;
+    }
     let mapped = MappedImage::with_copies(image, laying, |image| state.assets.pyramid(&of, image))?;
     Ok(texture_value(Texture::Mapped(Box::new(mapped))))
 }
