@@ -33,4 +33,4 @@ pub use assets::{AssetCache, Assets};
 pub use convert::script_from_course;
 pub use course::{Course, further_errors as further_course_errors, load_course};
 pub use kept::KeptAssets;
-pub use obj::{load_mesh, load_mesh_shape, load_obj, load_obj_shape, load_polygons};
+pub use obj::{Polygons, load_mesh, load_mesh_shape, load_obj, load_obj_shape, load_polygons};

@@ -6,7 +6,7 @@ use super::{
     assembly,
     assets::Assets,
     gltf,
-    guard::{self, Checked, Ignored},
+    guard::{self, Checked, Corner, Ignored},
     kept::{Obj, OwnedNames},
     look,
     mtl::{self, Library},
@@ -17,7 +17,7 @@ use super::{
 use crate::{
     diag::{Diagnostic, ErrorKind, nearest_names},
     host::resolve,
-    math::DVec3,
+    math::{DVec2, DVec3},
     scene::{Builder, MaterialId, Mesh},
 };
 
@@ -85,24 +85,45 @@ pub fn load_mesh_shape(
     load(path, false, Kinds::All, assets, builder)
 }
 
-/// The positions of an OBJ file, and the corners of its faces as they stand there, not cut into triangles. Nothing else of the
-/// file is used.
+/// The faces of a file as they stand there, not cut into triangles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Polygons {
+    /// Corners.
+    pub positions: Vec<DVec3>,
+    /// Corners of each face as indices into `positions`.
+    pub faces: Vec<Vec<u32>>,
+    /// Texture coordinates of each face, one for each of its corners or none; empty where no face has any.
+    pub uvs: Vec<Vec<DVec2>>,
+}
+
+/// The faces of an OBJ file, with their texture coordinates where all corners of a face have them. Nothing else of the file is
+/// used.
 ///
 /// # Errors
 /// As [`load_obj`].
-pub fn load_polygons(path: &str, assets: &mut Assets<'_>) -> Result<(Vec<DVec3>, Vec<Vec<u32>>), Diagnostic> {
+pub fn load_polygons(path: &str, assets: &mut Assets<'_>) -> Result<Polygons, Diagnostic> {
     let bytes = assets.read(path)?;
     let text = wavefront::text(path, &bytes)?;
     let source = Source::new(path, &text, ErrorKind::Input);
     let checked = guard::check(&source, assets)?;
+    let mut polygons = Polygons::default();
     let mut start = 0;
-    let faces = checked.faces.iter().map(|face| {
+    for face in &checked.faces {
         let corners = checked.corners.get(start..face.end).unwrap_or(&[]);
         start = face.end;
-        corners.iter().map(|corner| corner.position).collect()
-    });
-    let faces = faces.collect();
-    Ok((checked.positions, faces))
+        polygons
+            .faces
+            .push(corners.iter().map(|corner| corner.position).collect());
+        let uv = |corner: &Corner| checked.uvs.get(corner.uv as usize).copied();
+        polygons
+            .uvs
+            .push(corners.iter().map(uv).collect::<Option<_>>().unwrap_or_default());
+    }
+    if polygons.uvs.iter().all(Vec::is_empty) {
+        polygons.uvs = Vec::new();
+    }
+    polygons.positions = checked.positions;
+    Ok(polygons)
 }
 
 /// Kinds of files that are taken.

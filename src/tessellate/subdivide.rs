@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::{Allowance, allowance::STEPS_PER_QUESTION};
 use crate::{
-    math::{self, DVec3, PI},
+    math::{self, DVec2, DVec3, PI},
     scene::{Attribute, Mesh, SceneError},
 };
 
@@ -27,6 +27,9 @@ pub struct Cage {
     pub positions: Vec<DVec3>,
     /// Corners of each face as indices into `positions`, counter-clockwise seen from the front.
     pub faces: Vec<Vec<u32>>,
+    /// Texture coordinates of each face, one for each of its corners or none; empty where no face has any. They are divided
+    /// within each face, linearly, so that seams stay where they are.
+    pub uvs: Vec<Vec<DVec2>>,
     /// Edges that stay sharp: their two ends, and for how many levels. Edges at the rim always do.
     pub creases: Vec<([u32; 2], f64)>,
     /// How often faces are divided, at most 8.
@@ -43,12 +46,13 @@ const MOST_TRIANGLES: usize = 4_000_000;
 const MOST_LEVELS: u32 = 8;
 
 impl Cage {
-    /// A cage without creases.
+    /// A cage without creases and texture coordinates.
     #[must_use]
     pub const fn new(positions: Vec<DVec3>, faces: Vec<Vec<u32>>, levels: u32) -> Self {
         Self {
             positions,
             faces,
+            uvs: Vec::new(),
             creases: Vec::new(),
             levels,
             scheme: Scheme::Auto,
@@ -60,7 +64,8 @@ impl Cage {
     ///
     /// # Errors
     /// Where there are no faces, one has fewer than three corners, a corner twice or one that there is not, three faces meet
-    /// at an edge or two run along it the same way, a crease is no edge, or the triangles are too many.
+    /// at an edge or two run along it the same way, a crease is no edge, texture coordinates are not as many as corners, or the
+    /// triangles are too many.
     pub fn mesh(&self, allowance: &Allowance<'_>) -> Result<Mesh, SceneError> {
         let is_loop = self.check()?;
         let growth = 4usize.saturating_pow(self.levels);
@@ -81,6 +86,7 @@ impl Cage {
         let mut net = Net {
             positions: self.positions.clone(),
             faces: self.faces.clone(),
+            uvs: self.uvs.clone(),
             creases: self
                 .creases
                 .iter()
@@ -142,6 +148,9 @@ impl Cage {
                 "position {i} is not within 1e15 of the origin"
             )));
         }
+        if !self.uvs.is_empty() {
+            self.check_uvs()?;
+        }
         if let Some(([a, b], sharpness)) = self.creases.iter().find(|(_, s)| !(*s >= 0.0)) {
             return Err(SceneError::new(format!(
                 "the crease from {a} to {b} must be 0 or sharper, not {sharpness}"
@@ -160,6 +169,35 @@ impl Cage {
     }
 }
 
+impl Cage {
+    fn check_uvs(&self) -> Result<(), SceneError> {
+        let (given, wanted) = (self.uvs.len(), self.faces.len());
+        if given != wanted {
+            return Err(SceneError::new(format!(
+                "there are texture coordinates for {given} faces; expected {wanted}"
+            )));
+        }
+        for (i, (uvs, face)) in self.uvs.iter().zip(&self.faces).enumerate() {
+            if !uvs.is_empty() && uvs.len() != face.len() {
+                return Err(SceneError::new(format!(
+                    "face {i} has {} corners and {} texture coordinates; expected as many",
+                    face.len(),
+                    uvs.len()
+                )));
+            }
+            if uvs
+                .iter()
+                .any(|uv| !(uv.is_finite() && uv.abs().max_element() <= 1e15))
+            {
+                return Err(SceneError::new(format!(
+                    "a texture coordinate of face {i} is not a finite number within 1e15"
+                )));
+            }
+        }
+        Ok(())
+    }
+}
+
 /// An edge by its ends, the smaller first.
 type Edge = (u32, u32);
 
@@ -170,6 +208,8 @@ const fn edge(a: u32, b: u32) -> Edge {
 struct Net {
     positions: Vec<DVec3>,
     faces: Vec<Vec<u32>>,
+    /// As [`Cage::uvs`].
+    uvs: Vec<Vec<DVec2>>,
     creases: BTreeMap<Edge, f64>,
 }
 
@@ -387,6 +427,12 @@ impl Net {
         Ok(Self {
             positions,
             faces,
+            uvs: self
+                .faces
+                .iter()
+                .zip(&self.uvs)
+                .flat_map(|(face, uvs)| divided_uvs(face.len(), uvs, is_loop))
+                .collect(),
             creases,
         })
     }
@@ -452,19 +498,32 @@ impl Net {
                 }
             }
         }
-        let (mut triangles, mut corners) = (Vec::new(), Vec::new());
-        for (face, ids) in self.faces.iter().zip(&ids) {
+        let (mut triangles, mut corners, mut uvs) = (Vec::new(), Vec::new(), Vec::new());
+        let mut first_uv = 0;
+        for (i, (face, ids)) in self.faces.iter().zip(&ids).enumerate() {
             let points: Vec<DVec3> = face.iter().map(|corner| self.at(*corner)).collect();
+            let own_uvs = self.uvs.get(i);
             for t in crate::shape::triangulate(&points) {
                 triangles.push(t.map(|i| face.get(i).copied().unwrap_or(0)));
                 corners.push(t.map(|i| ids.get(i).copied().unwrap_or(0)));
+                if let Some(own) = own_uvs {
+                    let none = Attribute::<DVec2>::NONE;
+                    uvs.push(t.map(|i| if i < own.len() { first_uv + i as u32 } else { none }));
+                }
             }
+            first_uv += own_uvs.map_or(0, Vec::len) as u32;
         }
         let mut mesh = Mesh::new("subdivide", self.positions.clone(), triangles)?;
         mesh.normals = Some(Attribute {
             values: normals,
             indices: corners,
         });
+        if !uvs.is_empty() {
+            mesh.uvs = Some(Attribute {
+                values: self.uvs.concat(),
+                indices: uvs,
+            });
+        }
         Ok(mesh)
     }
 
@@ -508,6 +567,31 @@ impl Net {
         let angle = math::atan2(normal.length(), next.dot(before));
         normal.normalize_or_zero() * angle
     }
+}
+
+/// The texture coordinates of the faces that one of so many corners is divided into, in their order.
+fn divided_uvs(corners: usize, uvs: &[DVec2], is_loop: bool) -> Vec<Vec<DVec2>> {
+    if uvs.is_empty() {
+        return vec![Vec::new(); if is_loop { 4 } else { corners }];
+    }
+    if let ([a, b, c], true) = (uvs, is_loop) {
+        let (a, b, c) = (*a, *b, *c);
+        let (ab, bc, ca) = ((a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0);
+        return vec![
+            vec![a, ab, ca],
+            vec![ab, b, bc],
+            vec![ca, bc, c],
+            vec![ab, bc, ca],
+        ];
+    }
+    let count = uvs.len();
+    let center = uvs.iter().sum::<DVec2>() / count as f64;
+    let at = |i: usize| uvs.get(i % count).copied().unwrap_or_default();
+    let corner = |i: usize| {
+        let (before, uv, next) = (at(i + count - 1), at(i), at(i + 1));
+        vec![uv, (uv + next) / 2.0, center, (before + uv) / 2.0]
+    };
+    (0..count).map(corner).collect()
 }
 
 /// What a neighbor counts for at a smooth corner of a triangle net (Loop, "Smooth subdivision surfaces based on triangles",
@@ -618,6 +702,100 @@ mod tests {
     }
 
     #[test]
+    fn texture_coordinates_are_linear_within_each_face() {
+        let lifted = |(positions, faces): (Vec<DVec3>, Vec<Vec<u32>>), scheme| {
+            // Of the first face none, of all others their own corner of a picture and some more.
+            let uvs = |(i, face): (usize, &Vec<u32>)| match i {
+                0 => Vec::new(),
+                _ => (0..face.len())
+                    .map(|k| DVec2::new(i as f64 + (k % 2) as f64, k as f64 * 0.5))
+                    .collect(),
+            };
+            let cage = Cage {
+                uvs: faces.iter().enumerate().map(uvs).collect(),
+                scheme,
+                ..Cage::new(positions, faces, 2)
+            };
+            (made(&cage), cage)
+        };
+        for (net, scheme) in [
+            (cube(), Scheme::CatmullClark),
+            (octahedron(), Scheme::CatmullClark),
+            (octahedron(), Scheme::Loop),
+        ] {
+            let (mesh, cage) = lifted(net, scheme);
+            let uvs = mesh.uvs.as_ref().unwrap();
+            let per_face = mesh.triangles.len() / cage.faces.len();
+            let corners = |i: usize, cage: &Cage| cage.uvs[i].clone();
+            for (i, own) in (0..cage.faces.len()).map(|i| (i, corners(i, &cage))) {
+                let all = i * per_face..(i + 1) * per_face;
+                if i == 0 {
+                    assert!(
+                        all.clone().all(|t| uvs.corners(t).is_none()),
+                        "the first has none"
+                    );
+                    continue;
+                }
+                // The corners of the face are there as they were, and the areas add up to that of the face.
+                let found: Vec<[DVec2; 3]> = all.map(|t| uvs.corners(t).unwrap()).collect();
+                for uv in &own {
+                    assert!(
+                        found.iter().flatten().any(|other| other == uv),
+                        "{uv} of face {i}"
+                    );
+                }
+                let area = |p: &[DVec2]| {
+                    let next = p.iter().cycle().skip(1);
+                    p.iter().zip(next).map(|(a, b)| a.perp_dot(*b)).sum::<f64>() / 2.0
+                };
+                let sum: f64 = found.iter().map(|t| area(t)).sum();
+                assert!((sum - area(&own)).abs() < 1e-12, "face {i}: {sum}");
+            }
+            // The shape knows nothing of it.
+            let plain = made(&Cage {
+                uvs: Vec::new(),
+                ..cage
+            });
+            assert_eq!(
+                (plain.positions, plain.triangles, plain.normals),
+                (mesh.positions, mesh.triangles, mesh.normals)
+            );
+        }
+    }
+
+    #[test]
+    fn a_square_keeps_its_picture() {
+        // On a flat grid the surface and the picture are both those of the grid.
+        let positions: Vec<DVec3> = (0..9)
+            .map(|i| DVec3::new((i % 3) as f64, (i / 3) as f64, 0.0))
+            .collect();
+        let faces: Vec<Vec<u32>> = [0u32, 1, 3, 4].map(|a| vec![a, a + 1, a + 4, a + 3]).to_vec();
+        let uv = |corner: &u32| {
+            let p = positions[*corner as usize];
+            DVec2::new(p.x, p.y)
+        };
+        let uvs: Vec<Vec<DVec2>> = faces.iter().map(|face| face.iter().map(uv).collect()).collect();
+        let cage = Cage {
+            uvs,
+            to_the_limit: false,
+            levels: 3,
+            ..Cage::new(positions.clone(), faces, 3)
+        };
+        let mesh = made(&cage);
+        let uvs = mesh.uvs.as_ref().unwrap();
+        for t in 0..mesh.triangles.len() {
+            for (p, uv) in mesh.corners(t).iter().zip(uvs.corners(t).unwrap()) {
+                // Rims shrink at their corners, nothing else moves.
+                let is_inside = (0.7..1.3).contains(&p.x) && (0.7..1.3).contains(&p.y);
+                assert!(
+                    !is_inside || (DVec2::new(p.x, p.y) - uv).length() < 0.02,
+                    "{p} {uv}"
+                );
+            }
+        }
+    }
+
+    #[test]
     fn creases_stay_sharp_as_long_as_they_are() {
         let (positions, faces) = cube();
         let top = [[2, 3], [3, 7], [7, 6], [6, 2]];
@@ -657,6 +835,28 @@ mod tests {
         assert_eq!(
             message(vec![vec![0, 1, 2], vec![0, 1, 3]], 1),
             "faces 0 and 1 both run from corner 0 to corner 1"
+        );
+        let of_uvs = |uvs: Vec<Vec<DVec2>>| {
+            let cage = Cage {
+                uvs,
+                ..Cage::new(positions.clone(), faces.clone(), 1)
+            };
+            cage.mesh(&Allowance::of(&Limits::default())).unwrap_err().message
+        };
+        assert_eq!(
+            of_uvs(vec![Vec::new(); 5]),
+            "there are texture coordinates for 5 faces; expected 6"
+        );
+        let mut uvs = vec![Vec::new(); 6];
+        uvs[2] = vec![DVec2::ZERO; 3];
+        assert_eq!(
+            of_uvs(uvs.clone()),
+            "face 2 has 4 corners and 3 texture coordinates; expected as many"
+        );
+        uvs[2] = vec![DVec2::NAN; 4];
+        assert_eq!(
+            of_uvs(uvs),
+            "a texture coordinate of face 2 is not a finite number within 1e15"
         );
         assert_eq!(message(faces.clone(), 9), "levels must be from 0 to 8, not 9");
         let few = Limits {

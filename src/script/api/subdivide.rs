@@ -7,7 +7,7 @@ use rhai::{Array, Dynamic, Map};
 use super::{assets::with_assets, heights::made, int, map, string};
 use crate::{
     import::load_polygons,
-    math::DVec3,
+    math::{DVec2, DVec3},
     scene::SceneError,
     script::{
         call::{Call, kind_of},
@@ -20,7 +20,7 @@ use crate::{
     tessellate::{Cage, Scheme},
 };
 
-const CAGE_KEYS: [&str; 4] = ["creases", "faces", "indices", "positions"];
+const CAGE_KEYS: [&str; 6] = ["creases", "faces", "indices", "positions", "uvIndices", "uvs"];
 const KEYS: [&str; 2] = ["limit", "scheme"];
 const LEVELS: Param = int("levels", "none", "how often each face is divided, 0 to 8").or("2");
 const OPTIONS: Param = map(
@@ -35,7 +35,7 @@ pub(super) const ENTRIES: &[Entry] = &[Entry::scene(Group::Assets, "subdivide", 
         &[
             map(
                 "cage",
-                "positions; faces: arrays of three or more corners each, counted from 0, or indices: triangles; creases: [corner, corner, sharpness] each, sharp for so many levels",
+                "positions; faces: arrays of three or more corners each, counted from 0, or indices: triangles; creases: [corner, corner, sharpness] each, sharp for so many levels; uvs: pairs, one for each position, or with uvIndices in the form of faces one for each corner of them",
             )
             .keys(&CAGE_KEYS),
             LEVELS,
@@ -47,7 +47,7 @@ pub(super) const ENTRIES: &[Entry] = &[Entry::scene(Group::Assets, "subdivide", 
             OPTIONS,
         ],
     ])
-    .doc("A smooth surface from a coarse cage of faces: Catmull-Clark for polygons, Loop for triangles, with the normals of the smooth surface. Rims stay, and so do creases. A closed cage gives a closed mesh, as glass needs it. A file gives its shape alone, in the current material.")
+    .doc("A smooth surface from a coarse cage of faces: Catmull-Clark for polygons, Loop for triangles, with the normals of the smooth surface. Rims stay, and so do creases. Texture coordinates are divided within each face, so that seams stay. A closed cage gives a closed mesh, as glass needs it. A file gives its shape alone, in the current material.")
     .usage("subdivide(#{ positions: [[-1, -1, 0], [1, -1, 0], [1, 1, 1], [-1, 1, 0]], faces: [[0, 1, 2, 3]] }, 3)")
     .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ncamera([1.5, 2.2, 5], [0, 0, 0], [0, 1, 0], 38);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\nlet cube = #{\n  positions: [[-1, -1, -1], [1, -1, -1], [-1, 1, -1], [1, 1, -1], [-1, -1, 1], [1, -1, 1], [-1, 1, 1], [1, 1, 1]],\n  faces: [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]],\n};\ndiffuse(0.8, 0.5, 0.2);\ngroup { translate(-1.3, 0, 0); rotate(0, 1, 0, 20); subdivide(cube, 3); }\ncube.creases = [[2, 3, 9], [3, 7, 9], [7, 6, 9], [6, 2, 9]];   // a sharp rim above\ndiffuse(0.3, 0.5, 0.8);\ngroup { translate(1.3, 0, 0); rotate(0, 1, 0, 20); subdivide(cube, 3); }")
     .also(&["subdivision", "catmullClark", "loop", "smoothMesh", "subsurf"])];
@@ -67,10 +67,13 @@ fn subdivide(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     let mut cage = if let Some(data) = given.read_lock::<Map>() {
         cage(call, &data)?
     } else if let Ok(file) = given.clone().into_immutable_string() {
-        let (positions, faces) = with_assets(state, &file, |path, assets, _| {
+        let polygons = with_assets(state, &file, |path, assets, _| {
             load_polygons(path, assets).map_err(Box::new)
         })?;
-        Cage::new(positions, faces, 0)
+        Cage {
+            uvs: polygons.uvs,
+            ..Cage::new(polygons.positions, polygons.faces, 0)
+        }
     } else {
         return Err(call.wrong_kind("cage", "a map of arrays or the name of an OBJ file", given));
     };
@@ -95,16 +98,8 @@ fn cage(call: &Call<'_, '_>, data: &Map) -> Outcome<Cage> {
     let positions = data.get("positions").ok_or_else(|| missing("positions"))?;
     let positions = tuples::<3>(call, "positions", positions)?;
     let faces = match (data.get("faces"), data.get("indices")) {
-        (Some(faces), None) => polygons(call, faces)?,
-        (None, Some(indices)) => tuples::<3>(call, "indices", indices)?
-            .iter()
-            .enumerate()
-            .map(|(i, t)| {
-                t.iter()
-                    .map(|x| corner(call, || format!("indices[{i}]"), *x))
-                    .collect()
-            })
-            .collect::<Outcome<Vec<Vec<u32>>>>()?,
+        (Some(faces), None) => polygons(call, "faces", faces)?,
+        (None, Some(indices)) => triangles(call, "indices", indices)?,
         (Some(_), Some(_)) => return Err(call.error("the map has faces and indices; expected one of them")),
         (None, None) => return Err(missing("faces")),
     };
@@ -116,24 +111,61 @@ fn cage(call: &Call<'_, '_>, data: &Map) -> Outcome<Cage> {
                 .push(([corner(call, name, a)?, corner(call, name, b)?], sharpness));
         }
     }
+    if let Some(uvs) = data.get("uvs") {
+        let uvs = tuples::<2>(call, "uvs", uvs)?;
+        let uvs: Vec<DVec2> = uvs.into_iter().map(DVec2::from_array).collect();
+        let own = match data.get("uvIndices") {
+            Some(own) if data.contains_key("faces") => Some(polygons(call, "uvIndices", own)?),
+            Some(own) => Some(triangles(call, "uvIndices", own)?),
+            None => None,
+        };
+        cage.uvs = uvs_of_faces(call, &uvs, own.as_ref().unwrap_or(&cage.faces))?;
+    } else if data.contains_key("uvIndices") {
+        return Err(call.error("there are indices of uvs, but no uvs"));
+    }
     Ok(cage)
 }
 
-fn polygons(call: &Call<'_, '_>, given: &Dynamic) -> Outcome<Vec<Vec<u32>>> {
+/// The texture coordinates with these numbers, face by face.
+fn uvs_of_faces(call: &Call<'_, '_>, uvs: &[DVec2], faces: &[Vec<u32>]) -> Outcome<Vec<Vec<DVec2>>> {
+    let uv = |face: usize, corner: &u32| {
+        uvs.get(*corner as usize).copied().ok_or_else(|| {
+            let count = uvs.len();
+            call.error(format!(
+                "face {face} has uv {corner}, but there are {count}, numbered from 0"
+            ))
+        })
+    };
+    let face = |(i, face): (usize, &Vec<u32>)| face.iter().map(|corner| uv(i, corner)).collect();
+    faces.iter().enumerate().map(face).collect()
+}
+
+/// Threes of numbers, or one flat list.
+fn triangles(call: &Call<'_, '_>, name: &str, given: &Dynamic) -> Outcome<Vec<Vec<u32>>> {
+    let triangles = tuples::<3>(call, name, given)?;
+    let triangle = |(i, t): (usize, &[f64; 3])| {
+        t.iter()
+            .map(|x| corner(call, || format!("{name}[{i}]"), *x))
+            .collect()
+    };
+    triangles.iter().enumerate().map(triangle).collect()
+}
+
+fn polygons(call: &Call<'_, '_>, name: &str, given: &Dynamic) -> Outcome<Vec<Vec<u32>>> {
     let Some(faces) = given.read_lock::<Array>() else {
-        return Err(call.wrong_kind("faces", "an array of arrays of corners", given));
+        return Err(call.wrong_kind(name, "an array of arrays of corners", given));
     };
     let face = |(i, face): (usize, &Dynamic)| -> Outcome<Vec<u32>> {
         let Some(corners) = face.read_lock::<Array>() else {
             return Err(call.error(format!(
-                "faces[{i}] must be an array of corners, not {}",
+                "{name}[{i}] must be an array of corners, not {}",
                 kind_of(face)
             )));
         };
         let corners = corners.iter().enumerate();
         corners
             .map(|(j, d)| {
-                let name = || format!("faces[{i}][{j}]");
+                let name = || format!("{name}[{i}][{j}]");
                 corner(call, name, number(call, name, d)?)
             })
             .collect()
