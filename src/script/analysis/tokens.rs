@@ -131,8 +131,15 @@ impl<'t> Lexer<'t> {
 
     fn symbol(&mut self, first: char) {
         let rest = self.rest();
+        let is_not_in = rest
+            .strip_prefix("!in")
+            .is_some_and(|after| !after.starts_with(|c: char| c.is_alphanumeric() || c == '_'));
         let long = SYMBOLS.iter().find(|s| rest.starts_with(**s));
-        let length = long.map_or(first.len_utf8(), |s| s.len());
+        let length = match long {
+            _ if is_not_in => "!in".len(),
+            Some(symbol) => symbol.len(),
+            None => first.len_utf8(),
+        };
         let symbol = rest.get(..length).unwrap_or_default();
         match symbol {
             "{" | "#{" | "${" => self.braces += 1,
@@ -302,6 +309,7 @@ mod tests {
                 ")"
             ]
         );
+        assert_eq!(words("a !in b !inner"), ["a", "!in", "b", "!", "inner"]);
         assert_eq!(
             words("0..10 1.abs() 2. 3._"),
             ["0", "..", "10", "1", ".", "abs", "(", ")", "2.", "3", ".", "_"]
