@@ -172,9 +172,15 @@ pub(super) fn radiance<O: Observer>(
             sum += added;
             continue;
         };
+        let footprint;
         if world.needs_width {
             before += (at.position - ray.origin).length();
-            world.measure(hit, &ray, at, world.pixel_width(before));
+            let width = world.pixel_width(before);
+            world.measure(hit, &ray, at, width);
+            if world.needs_footprint {
+                footprint = world.footprint(hit, &ray, at, width);
+                at.footprint = footprint.as_ref();
+            }
         }
         let mut polished = None;
         if inside.is_any() || at.material.finish.is_some() {

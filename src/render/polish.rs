@@ -125,6 +125,7 @@ fn absorbed(
         };
         // No pixel is seen there.
         place.width = [0.0; 2];
+        place.footprint = None;
         if let Some(uv) = uv {
             place.uv = uv;
         }

@@ -3,7 +3,7 @@
 use super::{
     Paint, Placement, SceneError,
     mapped::largest,
-    texture::{Size, TexturePoint},
+    texture::{Footprint, Size, TexturePoint},
 };
 use crate::{
     color::Color,
@@ -97,6 +97,16 @@ impl PlacedTexture {
             width: point
                 .width
                 .map(|width| width * largest(&self.texture_from_object)),
+            footprint: point.footprint.map(|footprint| {
+                let turned = |v: DVec3| self.texture_from_object.transform_vector3(v);
+                Footprint {
+                    space: footprint.space.map(turned),
+                    uv: footprint
+                        .uv
+                        .map(|v| turned(DVec3::new(v.x, v.y, 0.0)))
+                        .map(|v| DVec2::new(v.x, v.y)),
+                }
+            }),
         })
     }
 }

@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use super::{
-    ImageTexture, Placement, Pyramid, SceneError, Texture, pyramid::bilinear, texture::TexturePoint,
+    ImageTexture, Placement, Pyramid, SceneError, Texture,
+    pyramid::bilinear,
+    texture::{Footprint, TexturePoint},
 };
 use crate::{
     color::Color,
@@ -46,15 +48,24 @@ pub enum TextureFilter {
     Nearest,
     /// Copies of the picture for what is far away, chosen by the width of a pixel there; see [`Pyramid`].
     Mip,
+    /// As `Mip` by the short side of what a pixel covers, at up to 16 places along the long one: floors and walls that are seen
+    /// aslant stay sharp.
+    Anisotropic,
 }
 
 impl TextureFilter {
     /// All of them with their names in scripts.
-    pub const ALL: [(&'static str, Self); 3] = [
+    pub const ALL: [(&'static str, Self); 4] = [
         ("bilinear", Self::Bilinear),
         ("nearest", Self::Nearest),
         ("mip", Self::Mip),
+        ("anisotropic", Self::Anisotropic),
     ];
+
+    /// True where it asks how wide a pixel is.
+    pub(super) fn is_by_width(self) -> bool {
+        matches!(self, Self::Mip | Self::Anisotropic)
+    }
 }
 
 /// What lies beyond the edges of a picture.
@@ -141,7 +152,7 @@ impl MappedImage {
     }
 
     /// As [`MappedImage::new`], with copies of the picture that may be there already: [`Pyramid::new`] of it. They are asked for
-    /// by [`TextureFilter::Mip`] alone.
+    /// by [`TextureFilter::Mip`] and [`TextureFilter::Anisotropic`] alone.
     ///
     /// # Errors
     /// As [`MappedImage::new`].
@@ -160,7 +171,7 @@ impl MappedImage {
             )));
         }
         laying.placement.check()?;
-        let pyramid = (laying.filter == TextureFilter::Mip).then(|| copies(texels));
+        let pyramid = laying.filter.is_by_width().then(|| copies(texels));
         Ok(Self {
             image,
             pyramid,
@@ -205,38 +216,50 @@ impl MappedImage {
             }
             _ => width,
         };
-        let look = |u: f64, v: f64| self.texel(image, DVec2::new(u, v), width);
+        let start = match self.laying.mapping {
+            Mapping::Uv => DVec3::new(point.uv.x, point.uv.y, 0.0),
+            _ => point.position,
+        };
+        let p = place(start);
+        // `uv` is where on the picture a place lies.
+        let look = |uv: &dyn Fn(DVec3) -> DVec2| {
+            let footprint = point
+                .footprint
+                .filter(|_| self.laying.filter == TextureFilter::Anisotropic);
+            let Some(Footprint { space, uv: in_uv }) = footprint else {
+                return self.texel(image, uv(p), width);
+            };
+            let axes = match self.laying.mapping {
+                Mapping::Uv => in_uv.map(|v| DVec3::new(v.x, v.y, 0.0)),
+                _ => space,
+            };
+            let axes = axes.map(|axis| {
+                // A short way, so that the seam of a picture that goes around is told from a wide pixel.
+                let way = uv(place(start + axis * SHORT_WAY)) - uv(p);
+                DVec2::new(way.x - (way.x + 0.5).floor(), way.y) / SHORT_WAY
+            });
+            self.over(image, uv(p), axes, width)
+        };
         match self.laying.mapping {
-            Mapping::Uv => {
-                let uv = place(DVec3::new(point.uv.x, point.uv.y, 0.0));
-                look(uv.x, uv.y)
-            }
-            Mapping::Planar => {
-                let p = place(point.position);
-                look(p.x + 0.5, p.y + 0.5)
-            }
-            Mapping::Spherical => {
-                let p = place(point.position);
+            Mapping::Uv => look(&|p| DVec2::new(p.x, p.y)),
+            Mapping::Planar => look(&|p| DVec2::new(p.x + 0.5, p.y + 0.5)),
+            Mapping::Spherical => look(&|p| {
                 let height = p.y / p.length();
-                look(longitude(p), math::asin(height.clamp(-1.0, 1.0)) / PI + 0.5)
-            }
-            Mapping::Cylindrical => {
-                let p = place(point.position);
-                look(longitude(p), p.y + 0.5)
-            }
+                DVec2::new(longitude(p), math::asin(height.clamp(-1.0, 1.0)) / PI + 0.5)
+            }),
+            Mapping::Cylindrical => look(&|p| DVec2::new(longitude(p), p.y + 0.5)),
             Mapping::Box => {
-                let p = place(point.position);
                 let n = self.texture_from_object.matrix3.inverse().transpose() * point.normal;
                 // Seen from outside, u goes to the right on each side.
-                let sides = [
-                    (n.x, -p.z * sign(n.x), p.y),
-                    (n.y, p.x, -p.z * sign(n.y)),
-                    (n.z, p.x * sign(n.z), p.y),
+                let sides: [(f64, &dyn Fn(DVec3) -> DVec2); 3] = [
+                    (n.x, &|p| DVec2::new(-p.z * sign(n.x) + 0.5, p.y + 0.5)),
+                    (n.y, &|p| DVec2::new(p.x + 0.5, -p.z * sign(n.y) + 0.5)),
+                    (n.z, &|p| DVec2::new(p.x * sign(n.z) + 0.5, p.y + 0.5)),
                 ];
                 let most = n.abs().max_element();
                 let least = most * (1.0 - self.laying.blend);
                 let (mut sum, mut whole) = (Color::ZERO, 0.0);
-                for (along, u, v) in sides {
+                for (along, uv) in sides {
                     let over = along.abs() - least;
                     let is_first = along.abs() == most && whole == 0.0;
                     let weight = if self.laying.blend == 0.0 {
@@ -245,16 +268,25 @@ impl MappedImage {
                         over.max(0.0)
                     };
                     if weight > 0.0 {
-                        sum += look(u + 0.5, v + 0.5) * weight;
+                        sum += look(uv) * weight;
                         whole += weight;
                     }
                 }
                 if whole > 0.0 {
                     sum / whole
                 } else {
-                    look(p.x + 0.5, p.y + 0.5)
+                    look(&|p| DVec2::new(p.x + 0.5, p.y + 0.5))
                 }
             }
+        }
+    }
+
+    /// The picture's color about `uv` over the ellipse with these axes.
+    fn over(&self, image: &ImageTexture, uv: DVec2, axes: [DVec2; 2], width: f64) -> Color {
+        let is_known = uv.abs().max_element() < 1e12 && axes.iter().all(|axis| axis.is_finite());
+        match &self.pyramid {
+            Some(pyramid) if is_known => pyramid.color_over(image, self.laying.wrap, uv, axes),
+            _ => self.texel(image, uv, width),
         }
     }
 
@@ -278,6 +310,9 @@ impl MappedImage {
         bilinear((image.width, image.height), wrap, uv, |x, y| image.texel(x, y))
     }
 }
+
+/// The share of a pixel's width over which places on a picture are looked at.
+const SHORT_WAY: f64 = 1.0 / 1024.0;
 
 /// How much a map stretches at most, along its axes.
 pub(super) fn largest(map: &DAffine3) -> f64 {
@@ -322,6 +357,7 @@ mod tests {
                 position,
                 normal,
                 width: [0.0; 2],
+                footprint: None,
             })
         }
     }

@@ -64,7 +64,7 @@ pub use settings::{Adaptive, Crop, Encoding, Filter, FilterKind, Region, Samplin
 pub use source::AssetFiles;
 pub(crate) use source::{MeshFile, write as write_source};
 pub use surroundings::{Environment, Fog, Haze, Occlusion, Sky, Surroundings};
-pub use texture::{ImageTexture, Texels, Texture, TexturePoint};
+pub use texture::{Footprint, ImageTexture, Texels, Texture, TexturePoint};
 
 use std::{collections::BTreeMap, sync::Arc};
 

@@ -49,6 +49,18 @@ pub struct TexturePoint {
     pub normal: DVec3,
     /// How wide a pixel is there, in the space of the shape and in texture coordinates; 0 where it is not known.
     pub width: [f64; 2],
+    /// What a pixel covers there, where it is known that precisely.
+    pub footprint: Option<Footprint>,
+}
+
+/// What a pixel covers of a surface: an ellipse, by two vectors from side to side through its middle. Of a surface that is looked
+/// at aslant the first is the longer one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Footprint {
+    /// In the space of the shape.
+    pub space: [DVec3; 2],
+    /// In texture coordinates.
+    pub uv: [DVec2; 2],
 }
 
 /// The texels of a picture, rows from the top.
@@ -93,6 +105,7 @@ impl Texture {
             position: p,
             normal: DVec3::ZERO,
             width: [0.0; 2],
+            footprint: None,
         })
     }
 
@@ -156,8 +169,16 @@ impl Texture {
     /// True where the width of a pixel matters to it.
     pub(crate) fn asks_for_width(&self) -> bool {
         match self {
-            Self::Mapped(mapped) => mapped.laying().filter == TextureFilter::Mip,
+            Self::Mapped(mapped) => mapped.laying().filter.is_by_width(),
             _ => self.parts().into_iter().any(|part| part.asks_for_width()),
+        }
+    }
+
+    /// True where it matters to it what exactly a pixel covers.
+    pub(crate) fn asks_for_footprint(&self) -> bool {
+        match self {
+            Self::Mapped(mapped) => mapped.laying().filter == TextureFilter::Anisotropic,
+            _ => self.parts().into_iter().any(|part| part.asks_for_footprint()),
         }
     }
 

@@ -100,6 +100,7 @@ impl<'s> World<'s> {
             is_linked: scene.root().lights.iter().any(|light| !light.links.is_all()),
             uv_everywhere: false,
             needs_width: scene.textures.iter().any(|texture| texture.asks_for_width()),
+            needs_footprint: scene.textures.iter().any(|texture| texture.asks_for_footprint()),
         };
         match (compiled, trees) {
             (Ok(_), _) => Ok(world),

@@ -92,6 +92,8 @@ pub struct World<'s> {
     time: f64,
     /// Things in it move while the shutter is open.
     moves: bool,
+    /// Textures ask what exactly a pixel covers.
+    pub(crate) needs_footprint: bool,
 }
 
 /// What a ray met.

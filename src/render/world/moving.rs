@@ -34,6 +34,7 @@ impl<'s> World<'s> {
             around: self.around.clone(),
             uv_everywhere: self.uv_everywhere,
             needs_width: self.needs_width,
+            needs_footprint: self.needs_footprint,
             time: self.scene.camera.shutter.time(share.clamp(0.0, 1.0)),
             moves: self.moves,
         }

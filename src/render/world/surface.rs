@@ -9,7 +9,7 @@ use super::{
 use crate::{
     math::{DAffine3, DVec2, DVec3, Ray, max_abs},
     render::microfacet::frame,
-    scene::{Material, MaterialId, Object, Term, TexturePoint},
+    scene::{Footprint, Material, MaterialId, Object, Term, TexturePoint},
 };
 
 /// A point on a surface, ready for shading.
@@ -32,6 +32,8 @@ pub(crate) struct SurfacePoint<'s> {
     object_normal: DVec3,
     /// How wide a pixel is there, in the object's space and in texture coordinates; 0 where no texture asks.
     width: [f64; 2],
+    /// What it covers there, where textures ask. Elsewhere than in the point, which is copied often.
+    pub(crate) footprint: Option<&'s Footprint>,
 }
 
 impl SurfacePoint<'_> {
@@ -42,6 +44,7 @@ impl SurfacePoint<'_> {
             position: self.object_position,
             normal: self.object_normal,
             width: self.width,
+            footprint: self.footprint.copied(),
         }
     }
 
@@ -115,6 +118,40 @@ impl<'s> World<'s> {
             }
         }
         at.width = widest;
+    }
+
+    /// What a pixel covers at a hit, `width` being its width across the ray: the ellipse in which the surface cuts the cone about
+    /// the ray (Akenine-Möller et al., "Improved shader and texture level of detail using ray cones", JCGT 2021).
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn footprint(
+        &self,
+        hit: &Hit,
+        ray: &Ray,
+        at: &SurfacePoint<'s>,
+        width: f64,
+    ) -> Option<Footprint> {
+        let n = at.geometric_normal;
+        let sideways = n.cross(ray.dir);
+        let across = if sideways.length() > 1e-9 {
+            sideways / sideways.length()
+        } else {
+            frame(n).0
+        };
+        let away = across.cross(n);
+        let cosine = n.dot(ray.dir).abs().max(LEAST_COSINE);
+        let axis = |dir: DVec3, length: f64| {
+            let beside = self.beside(hit, ray, at, dir * (length * SHORT_WAY))?;
+            let uv = beside.uv - at.uv;
+            let uv = DVec2::new(uv.x - (uv.x + 0.5).floor(), uv.y - (uv.y + 0.5).floor());
+            let space = beside.object_position - at.object_position;
+            Some((space / SHORT_WAY, uv / SHORT_WAY))
+        };
+        let (long, short) = (axis(away, width / cosine)?, axis(across, width)?);
+        Some(Footprint {
+            space: [long.0, short.0],
+            uv: [long.1, short.1],
+        })
     }
 
     /// The surface of the primitive that `ray` met, at `position`, which is `BESIDE` the hit or the hit itself.
@@ -200,6 +237,7 @@ impl<'s> World<'s> {
             object_position: local.object_position,
             object_normal: local.object_normal,
             width: [0.0; 2],
+            footprint: None,
         })
     }
 
@@ -444,6 +482,9 @@ impl<'s> World<'s> {
         }
     }
 }
+
+/// No surface is taken to be more aslant than that.
+const LEAST_COSINE: f64 = 1e-3;
 
 /// The share of a pixel's width over which texture coordinates are looked at.
 const SHORT_WAY: f64 = 1.0 / 1024.0;

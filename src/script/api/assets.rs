@@ -50,7 +50,7 @@ pub(super) const ENTRIES: &[Entry] = &[
             &[map("data", "width, height and pixels: colors row by row from the top")],
             &[
                 Param::new("image", Kind::Image, "none", "a file as above, or an image"),
-                map("options", "mapping: \"uv\" (the shape's own coordinates), \"planar\" (along z), \"spherical\", \"cylindrical\" (around y) or \"box\" (from each side, melting over blend), all but uv laying the picture on the cube from -0.5 to 0.5; filter: \"bilinear\", \"nearest\" or \"mip\" (smaller copies for what is far away); wrap: \"repeat\", \"clamp\", \"mirror\" or \"black\"; scale, rotate, translate, turbulence, octaves: where it lies").keys(&patterns::LAYING),
+                map("options", "mapping: \"uv\" (the shape's own coordinates), \"planar\" (along z), \"spherical\", \"cylindrical\" (around y) or \"box\" (from each side, melting over blend), all but uv laying the picture on the cube from -0.5 to 0.5; filter: \"bilinear\", \"nearest\", \"mip\" (smaller copies for what is far away) or \"anisotropic\" (the same, but sharp where it is seen aslant, as floors are); wrap: \"repeat\", \"clamp\", \"mirror\" or \"black\"; scale, rotate, translate, turbulence, octaves: where it lies").keys(&patterns::LAYING),
             ],
         ])
         .returns("image")
