@@ -49,6 +49,23 @@ const SOFT_SHADOWS: &str = r"
     things();
 ";
 
+/// A gyroid whose width varies, within a ball, and solids that are blended and twisted.
+const ISOSURFACES: &str = r"
+    camera([0, 2, 6], [0, 0.6, 0], [0, 1, 0], 40);
+    background([0.3, 0.4, 0.6]);
+    light([4, 6, 5], [0.9, 0.9, 0.9]);
+    diffuse(0.6, 0.5, 0.4);
+    plane();
+    let web = sdf(|x, y, z| {
+        let k = 5.2 - 0.9 * y;
+        (abs(sin(k * x) * cos(k * y) + sin(k * y) * cos(k * z) + sin(k * z) * cos(k * x)) - 0.34) / (1.4 * k)
+    });
+    group { translate(-1.2, 1, 0); isosurface(sdfSphere(1) & web); }
+    let rod = sdfCylinder(0.3, 1.6);
+    translate(1.2, 1, 0);
+    isosurface((rod.smoothUnion(rod.turned([1, 0, 0], 90), 0.2) | sdfBox(0.8, 0.8, 0.8).rounded(0.1)).twisted(40));
+";
+
 fn picture(bencher: Bencher<'_, '_>, script: &str) {
     let text = format!("size({WIDTH}, {HEIGHT});{THINGS}{script}");
     let script = Script::compile("bench.rhai", &text, &Limits::default()).unwrap();
@@ -78,4 +95,9 @@ fn textures(bencher: Bencher<'_, '_>) {
 #[divan::bench(sample_count = 10)]
 fn soft_shadows(bencher: Bencher<'_, '_>) {
     picture(bencher, SOFT_SHADOWS);
+}
+
+#[divan::bench(sample_count = 10)]
+fn isosurfaces(bencher: Bencher<'_, '_>) {
+    picture(bencher, ISOSURFACES);
 }
