@@ -31,7 +31,7 @@ const KEYS: [&str; 9] = [
 const STRING: Param = string("string", "the characters; \\n begins a line");
 const OPTIONS: Param = map(
     "options",
-    "font: a TrueType file, else the built-in one; size: the em, capitals being about 0.7 of it, 1; depth: 0.2; align: \"left\", \"center\" or \"right\"; valign: \"baseline\", \"top\", \"middle\" or \"bottom\"; kerning: true; lineSpacing: 1; letterSpacing: 0; tolerance: how far edges may be off the curves, size / 1000",
+    "font: a TrueType or OpenType file (.ttf, .otf, .ttc), else the built-in one; size: the em, capitals being about 0.7 of it, 1; depth: 0.2; align: \"left\", \"center\" or \"right\"; valign: \"baseline\", \"top\", \"middle\" or \"bottom\"; kerning: true; lineSpacing: 1; letterSpacing: 0; tolerance: how far edges may be off the curves, size / 1000",
 )
 .or("#{ }")
 .keys(&KEYS);
@@ -42,7 +42,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .doc("Letters as solids, standing on y = 0 in the plane z = 0 with half of their depth before and behind it, looking towards +z. Each is closed, with walls that are smooth along curves and sharp at corners, so text may be glass. The built-in font is DejaVu Sans with Latin, Greek and the usual signs. Right-to-left scripts and ligatures are not put together. depth: 0 makes flat faces.")
         .usage("text(\"Hello\", #{ size: 1, align: \"center\" })")
         .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ncamera([0.8, 1.2, 4], [0, 0.25, 0], [0, 1, 0], 36);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.85, 0.35, 0.2); specular(0.3, 0.3, 0.3); shininess(40); reflection(0, 0, 0);\ntext(\"Ray & Wave\", #{ size: 0.5, depth: 0.2, align: \"center\" });\ndiffuse(checker(\"#eee\", \"#9ab\", 0.5));\nplane();")
-        .also(&["letters", "font", "linear_extrude", "label", "string3d", "ttf"]),
+        .also(&["letters", "font", "linear_extrude", "label", "string3d", "ttf", "otf"]),
     Entry::scene(Group::Assets, "textSize", text_size)
         .takes(&[&[STRING, OPTIONS]])
         .returns("map")

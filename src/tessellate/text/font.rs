@@ -9,10 +9,13 @@ use ttf_parser::{
     opentype_layout::LayoutTable,
 };
 
-use super::outline::{Contour, Pen};
+use super::{
+    cff::Charstrings,
+    outline::{Contour, Pen},
+};
 use crate::scene::SceneError;
 
-/// A TrueType font.
+/// A font, of TrueType outlines or of the cubic ones of a table 'CFF '.
 #[derive(Clone, PartialEq)]
 pub struct Font {
     bytes: Arc<[u8]>,
@@ -32,7 +35,7 @@ impl Default for Font {
     }
 }
 
-/// Bytes of outlines that a glyph may be put together of: more is a file that means harm.
+/// Bytes of outlines, or steps of drawing, that a glyph may be put together of: more is a file that means harm.
 const MOST_OUTLINE_BYTES: u64 = 1 << 20;
 
 impl Font {
@@ -44,7 +47,7 @@ impl Font {
         }
     }
 
-    /// The font in a file, the first one of a collection. Only outlines of the TrueType kind are read.
+    /// The font in a file, the first one of a collection.
     ///
     /// # Errors
     /// Where the bytes are no font, or a font with other outlines.
@@ -53,11 +56,11 @@ impl Font {
             SceneError::new(format!("it is no font that can be read: {error}"))
                 .hint("fonts are TrueType files, which end in .ttf, .otf or .ttc")
         })?;
-        if face.tables().glyf.is_none() {
-            return Err(
-                SceneError::new("the font has no TrueType outlines (a table 'glyf')")
-                    .hint("convert an .otf with outlines of the CFF kind to .ttf"),
-            );
+        if face.tables().glyf.is_none() && charstrings(&face).is_none() {
+            return Err(SceneError::new(
+                "the font has no outlines that can be read (a table 'glyf' or 'CFF ')",
+            )
+            .hint("convert a variable font to one of its instances, and bitmaps to outlines"));
         }
         Ok(Self {
             bytes: Arc::from(bytes),
@@ -70,6 +73,7 @@ impl Font {
         Ok(Typeface {
             kerning: kerning_lookups(&face),
             costs: BTreeMap::new(),
+            charstrings: charstrings(&face),
             face,
         })
     }
@@ -82,6 +86,8 @@ pub(super) struct Typeface<'a> {
     kerning: Vec<u16>,
     /// See [`Typeface::cost`].
     costs: BTreeMap<u16, u64>,
+    /// Where the outlines are those of a table 'CFF '.
+    charstrings: Option<Charstrings<'a>>,
 }
 
 impl Typeface<'_> {
@@ -133,7 +139,11 @@ impl Typeface<'_> {
     /// # Errors
     /// Where the glyph is put together of more than any glyph needs.
     pub(super) fn outline(&mut self, glyph: GlyphId, tolerance: f64) -> Result<Vec<Contour>, SceneError> {
-        if self.cost(glyph.0, 0) > MOST_OUTLINE_BYTES {
+        let is_small = match &self.charstrings {
+            Some(charstrings) => charstrings.cost(glyph.0, MOST_OUTLINE_BYTES).is_some(),
+            None => self.cost(glyph.0, 0) <= MOST_OUTLINE_BYTES,
+        };
+        if !is_small {
             return Err(too_complex(glyph));
         }
         let mut pen = Pen::new(tolerance);
@@ -179,6 +189,15 @@ impl Typeface<'_> {
         let glyph = usize::from(glyph);
         outlines.get(place(glyph)?..place(glyph + 1)?)
     }
+}
+
+/// The outlines of a font that has none of the TrueType kind.
+fn charstrings<'a>(face: &Face<'a>) -> Option<Charstrings<'a>> {
+    if face.tables().glyf.is_some() {
+        return None;
+    }
+    face.tables().cff?;
+    Charstrings::read(face.raw_face().table(Tag::from_bytes(b"CFF "))?)
 }
 
 fn too_complex(glyph: GlyphId) -> SceneError {
@@ -250,7 +269,7 @@ fn pair(gpos: &LayoutTable<'_>, lookup: u16, left: GlyphId, right: GlyphId) -> O
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::outline::area, *};
 
     #[test]
     fn the_built_in_font_kerns() {
@@ -287,6 +306,40 @@ mod tests {
                         face.advance(glyph),
                     );
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn cubic_outlines_are_those_of_the_file() {
+        let bytes = include_bytes!("../fonts/rounds.otf");
+        let font = Font::read(bytes).unwrap();
+        let mut face = font.face().unwrap();
+        let mut contours = |c: char| {
+            let glyph = face.glyph(c).unwrap();
+            face.outline(glyph, 0.01).unwrap()
+        };
+        // An L of straight lines by a subroutine: 400 by 150 and 150 by 550.
+        let [letter] = &contours('L')[..] else { panic!() };
+        assert_eq!(area(letter).abs(), 400.0 * 150.0 + 150.0 * 550.0);
+        // A ring between circles of radius 350 and 200, which four cubic curves meet within 3 in 10,000.
+        let ring = contours('O');
+        let [outer, inner] = &ring[..] else { panic!() };
+        assert!(area(outer) * area(inner) < 0.0);
+        let sum = area(outer).abs() - area(inner).abs();
+        let circles = std::f64::consts::PI * (350.0 * 350.0 - 200.0 * 200.0);
+        assert!((sum / circles - 1.0).abs() < 1e-3, "{sum} {circles}");
+        let mut rng = crate::tessellate::suite::Rng::new(7);
+        for _ in 0..2000 {
+            let mut bytes = bytes.to_vec();
+            for _ in 0..1 + rng.below(4) {
+                let at = rng.below(bytes.len());
+                bytes[at] = rng.below(256) as u8;
+            }
+            let Ok(font) = Font::read(&bytes) else { continue };
+            let Ok(mut face) = font.face() else { continue };
+            for glyph in "OLD".chars().filter_map(|c| face.glyph(c)).collect::<Vec<_>>() {
+                let _ = face.outline(glyph, 1.0);
             }
         }
     }

@@ -1,5 +1,6 @@
 //! Text as solids: outlines of a font, extruded.
 
+mod cff;
 mod font;
 mod outline;
 mod solid;
