@@ -10,6 +10,8 @@ use std::cell::RefCell;
 
 use rhai::{Dynamic, EvalAltResult, EvalContext, Locked, Scope, Shared};
 
+use super::vocabulary::CONSTANTS;
+
 /// What [`EvalContext`] is told of a variable whose cell was made here. Scripts have no function that reads or writes
 /// tags.
 const HELD: i16 = 0x7274;
@@ -112,8 +114,16 @@ pub(super) fn on_variable(
     };
     if variable.is_some_and(|value| value.is_shared() && i64::from(value.tag()) != i64::from(HELD)) {
         adopt(context.scope_mut(), name);
+    } else if variable.is_none() {
+        return Ok(constant(name));
     }
     Ok(None)
+}
+
+/// A closure shares what it names with the code around it, where constants of the language are no variables.
+fn constant(name: &str) -> Option<Dynamic> {
+    let found = CONSTANTS.iter().find(|constant| constant.name == name)?;
+    Some(found.value.into())
 }
 
 /// Moves the variable `name` into a cell of this run.
