@@ -1,7 +1,7 @@
 //! One hash everywhere: every scene of the corpus gives the pixels of its snapshot, whatever the number of threads, the
 //! size of the tiles and their order, in packets and ray by ray, twice in a row, in this build. `.ci/run` runs this in
-//! debug and in release, so that both agree with the same snapshots and therefore with each other. `.ci/portability` does
-//! it for each set of instructions (`RTSCRIPT_SIMD`), other builds, processors and browsers.
+//! debug and compares the release binary's pixels with the same snapshots, so that both agree with each other.
+//! `.ci/portability` does it for each set of instructions (`RTSCRIPT_SIMD`), other builds, processors and browsers.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
