@@ -30,6 +30,16 @@ use crate::{
     spline::Spline,
 };
 
+/// A profile that closes on the axis at both ends.
+const VASE: [[f64; 2]; 6] = [
+    [0.0, -1.0],
+    [0.6, -1.0],
+    [0.8, -0.3],
+    [0.2, 0.5],
+    [0.5, 1.0],
+    [0.0, 0.9],
+];
+
 /// Seeded random numbers: SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number
 /// generators", 2014).
 pub(crate) struct Rng(u64);
@@ -248,14 +258,6 @@ fn swept(s: f64) -> Vec<Shape> {
         let points = points.iter().map(|p| p.map(|x| x * s)).collect();
         Shape::SphereSweep(Arc::new(SphereSweep::new(points, kind).unwrap()))
     };
-    let vase = [
-        [0.0, -1.0],
-        [0.6, -1.0],
-        [0.8, -0.3],
-        [0.2, 0.5],
-        [0.5, 1.0],
-        [0.0, 0.9],
-    ];
     let tire: Vec<[f64; 2]> = ring(8).into_iter().map(|[x, y]| [2.0 + x, y]).collect();
     let path = [
         [0.0, 0.0, 0.0, 0.3],
@@ -269,11 +271,11 @@ fn swept(s: f64) -> Vec<Shape> {
         prism(&[&star, &hole], Spline::CatmullRom, 0.3),
         prism(&[&crossed], Spline::Linear, 2.0),
         prism(&[&hole[..].to_vec()], Spline::Bezier, 4.0),
-        lathe(&vase, Spline::Linear, false),
-        lathe(&vase, Spline::CatmullRom, false),
+        lathe(&VASE, Spline::Linear, false),
+        lathe(&VASE, Spline::CatmullRom, false),
         lathe(&tire, Spline::CatmullRom, true),
         lathe(&tire, Spline::Linear, true),
-        lathe(&vase[1..5], Spline::CatmullRom, false),
+        lathe(&VASE[1..5], Spline::CatmullRom, false),
         sweep(&path, Spline::Linear),
         sweep(&path, Spline::CatmullRom),
         sweep(&path[..4], Spline::Bezier),

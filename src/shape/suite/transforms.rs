@@ -7,7 +7,7 @@ use super::{
         Blob, BlobPart, Capsule, Cone, Cuboid, Cylinder, Disk, Lathe, Plane, Polygon, Prism, Quadric,
         RoundedBox, Sdf, Shape, Sphere, SphereSweep, Superellipsoid, Torus,
     },
-    Rng, is_curved, outlines, ring, shared,
+    Rng, VASE, is_curved, outlines, ring, shared,
     subject::Alone,
 };
 use crate::{
@@ -231,18 +231,10 @@ fn swept(rng: &mut Rng, round: DAffine3, w: f64, h: f64) -> [Pair; 2] {
     let prism = |outline: Vec<[f64; 2]>, height| {
         Shape::Prism(Arc::new(Prism::new(vec![outline], kind, height).unwrap()))
     };
-    let vase = [
-        [0.0, -1.0],
-        [0.6, -1.0],
-        [0.8, -0.3],
-        [0.2, 0.5],
-        [0.5, 1.0],
-        [0.0, 0.9],
-    ];
     let lathe =
         |points: &[[f64; 2]]| Shape::Lathe(Arc::new(Lathe::new(points.to_vec(), kind, false).unwrap()));
     let up = h * rng.within(-1.0, 1.0);
-    let grown = vase.map(|[r, y]| [r * w, y * h + up]);
+    let grown = VASE.map(|[r, y]| [r * w, y * h + up]);
     let taller = DAffine3::from_translation(DVec3::Y * up) * DAffine3::from_scale(DVec3::new(w, h, w));
     [
         (
@@ -250,6 +242,6 @@ fn swept(rng: &mut Rng, round: DAffine3, w: f64, h: f64) -> [Pair; 2] {
             prism(star, 0.7),
             flat,
         ),
-        (lathe(&grown), lathe(&vase), taller * round),
+        (lathe(&grown), lathe(&VASE), taller * round),
     ]
 }
