@@ -142,6 +142,8 @@ fn attacks_end_in_an_error_of_their_own() {
         "loop { a.push(a); }",
         "loop { a.push([a, a]); }",
         "loop { a += a; }",
+        "loop { a.append(a); }",
+        "loop { a.append([a, a]); }",
         "loop { a.insert(0, a); }",
         "a.pad(9000000000000000000, 0);",
         "a.pad(100000000, [1, 2, 3]);",
