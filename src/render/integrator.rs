@@ -201,6 +201,7 @@ pub(super) fn radiance<O: Observer>(
                 Some(polished) if m.reflectance.is_none() => Some(polished),
                 _ => m.reflectance.as_deref(),
             },
+            polished: polished.as_ref().filter(|_| m.reflectance.is_none()),
         };
         let (mut ambient, emission) = (term(&m.ambient), term(&m.emission));
         if let Some(around) = &world.around

@@ -369,8 +369,9 @@ impl<'s> Polished<'s> {
         varnish.map_or(0.0, |varnish| varnish.strength * fresnel_dielectric(cosine, COAT))
     }
 
-    /// The color of light from the unit vector `to_light` that leaves towards the eye.
-    fn answer(&self, to_light: DVec3) -> Color {
+    /// The color of light from the unit vector `to_light` that leaves towards the eye. Of light that rays meet, too, only what
+    /// no ray is followed for: the same light would count twice.
+    fn answer(&self, to_light: DVec3, is_met_by_rays: bool) -> Color {
         let (eye, light) = (self.eye(), self.local(to_light));
         let half = eye + light;
         let half = if half.length_squared() > 1e-18 {
@@ -384,19 +385,25 @@ impl<'s> Polished<'s> {
         let sigma = self.sigma.to_radians();
         let mut sum = self.diffuse * inward * oren_nayar(sigma, eye, light);
         let (mirrored, _) = self.shares(cosine);
+        let specular = if is_met_by_rays {
+            highlight_without_mirror(self.specular, self.mirror)
+        } else {
+            self.specular
+        };
         match &self.rough {
+            Some(_) if is_met_by_rays => {}
             Some(rough) => {
                 let boosted = self.boost.map_or(mirrored, |boost| mirrored * boost);
                 sum += self.mirror * boosted * rough.highlight(eye, light);
             }
-            None if self.specular != Color::ZERO && half.z > 0.0 => {
-                sum += self.specular * mirrored * self.exponent.of(half.z.min(1.0));
+            None if specular != Color::ZERO && half.z > 0.0 => {
+                sum += specular * mirrored * self.exponent.of(half.z.min(1.0));
             }
             None => {}
         }
         if let Some(varnish) = &self.varnish {
             sum *= 1.0 - self.coat(eye.z);
-            if let Some(rough) = varnish.rough {
+            if let Some(rough) = varnish.rough.filter(|_| !is_met_by_rays) {
                 sum += Color::splat(self.coat(cosine) * rough.highlight(eye, light));
             }
         }
@@ -519,8 +526,34 @@ const COAT: f64 = 1.5;
 
 impl CustomReflectance for Polished<'_> {
     fn response(&self, _: &ShadingPoint, to_light: DVec3) -> Color {
-        self.answer(to_light)
+        self.answer(to_light, false)
     }
+}
+
+/// A surface as it answers light that the rays meet, too, which are followed from it.
+#[derive(Debug)]
+pub(super) struct Unfollowed<'p, 's>(pub(super) &'p Polished<'s>);
+
+impl Unfollowed<'_, '_> {
+    /// True where it answers nothing.
+    pub(super) fn is_black(&self) -> bool {
+        let Self(polished) = self;
+        polished.diffuse == Color::ZERO
+            && (polished.rough.is_some()
+                || highlight_without_mirror(polished.specular, polished.mirror) == Color::ZERO)
+    }
+}
+
+impl CustomReflectance for Unfollowed<'_, '_> {
+    fn response(&self, _: &ShadingPoint, to_light: DVec3) -> Color {
+        self.0.answer(to_light, true)
+    }
+}
+
+/// What is left of Ks for light that mirrored rays meet: Ks is what the surface mirrors in all, and Kr of that is seen in the
+/// mirror.
+pub(super) fn highlight_without_mirror(specular: Color, mirror: Color) -> Color {
+    (specular - mirror).max(Color::ZERO)
 }
 
 /// How far apart the points are that relief is measured at, as a share of the ray's length: about half a pixel, so that an edge is

@@ -1,7 +1,7 @@
 //! Light from all around, what keeps it away, and light that air scatters.
 
 use super::{
-    Lit, SHORT, Together,
+    Gloss, Lit, SHORT, Together,
     kinds::{Sent, sent},
     lamp::on_disk,
 };
@@ -12,6 +12,7 @@ use crate::{
         environment::Surround,
         integrator::{Counts, Path},
         observe::Observer,
+        polish::{Unfollowed, highlight_without_mirror},
         sampler::stratified,
         world::{Probe, SurfacePoint, World},
     },
@@ -41,7 +42,9 @@ fn from_around(surround: &Surround<'_>, at: (f64, f64)) -> Option<Sent> {
 }
 
 impl Lit<'_> {
-    /// Adds what the environment sends to `sum`.
+    /// Adds what the environment sends to `sum`, as far as no ray is followed that sees it: what a surface mirrors is left to
+    /// the mirrored ray, for which a rough surface chooses a direction by its own lobe, so that it is as free of noise as that
+    /// one ray can be. What a program answers itself is asked for all of it.
     #[cold]
     #[inline(never)]
     pub(super) fn add_environment<O: Observer>(
@@ -58,6 +61,24 @@ impl Lit<'_> {
         }
         let number = after_the_lights(self.world, ENVIRONMENT);
         observer.light(number as usize);
+        let unfollowed = self.gloss.polished.map(Unfollowed);
+        let mut gloss = Gloss { ..*self.gloss };
+        match &unfollowed {
+            Some(unfollowed) if unfollowed.is_black() => return,
+            Some(unfollowed) => gloss.custom = Some(unfollowed),
+            None if gloss.custom.is_none() && gloss.specular != Color::ZERO => {
+                let mirror = self.world.term(&self.at.material.mirror(), self.at);
+                gloss.specular = highlight_without_mirror(gloss.specular, mirror);
+                if gloss.specular == Color::ZERO && gloss.diffuse == Color::ZERO {
+                    return;
+                }
+            }
+            None => {}
+        }
+        let lit = Lit {
+            gloss: &gloss,
+            ..*self
+        };
         let normal = self.at.shading_normal;
         let (right, up) = around(normal);
         // Half of them where it is bright, half by the cosine, together as one choice (the balance heuristic; Veach and
@@ -65,7 +86,7 @@ impl Lit<'_> {
         let all = n * n;
         let by_cosine = all / 2;
         let by_light = all - by_cosine;
-        let mut together = Together::new(self);
+        let mut together = Together::new(&lit);
         for i in 0..all {
             let random = |k: u64| path.random(number, 2 * u64::from(i) + k);
             let (dir, density) = if i < by_light {

@@ -20,6 +20,7 @@ pub(super) use lamp::Lamp;
 use super::{
     integrator::{Counts, Path},
     observe::{Arrived, Observer},
+    polish::Polished,
     world::{Blocker, FewObstacles, PACKET, Probe, SurfacePoint, World},
 };
 use area::{Area, LANES, Lanes, Samples, each, three};
@@ -38,6 +39,8 @@ pub(super) struct Gloss<'s> {
     pub(super) exponent: Exponent,
     /// What answers in place of all that.
     pub(super) custom: Option<&'s dyn CustomReflectance>,
+    /// The same, where it is a finish.
+    pub(super) polished: Option<&'s Polished<'s>>,
 }
 
 /// What a point and the one who looks at it have to do with all lights.
@@ -246,6 +249,7 @@ impl Lit<'_> {
             specular,
             exponent,
             custom,
+            ..
         } = *self.gloss;
         if let Some(custom) = custom {
             return [self.respond_as(custom, towards), Color::ZERO];
@@ -256,6 +260,7 @@ impl Lit<'_> {
                 specular,
                 exponent,
                 custom: None,
+                polished: None,
             };
             Lit { gloss, ..*self }.respond(towards)
         })
@@ -363,7 +368,7 @@ impl Lit<'_> {
             diffuse,
             specular,
             exponent,
-            custom: _,
+            ..
         } = *self.gloss;
         let response = three(|k| {
             each(|i| {

@@ -39,7 +39,7 @@ pub(super) const ENTRIES: &[Entry] = &[
                 .keys(&ENVIRONMENT_OPTIONS)
                 .or("#{}"),
         ]])
-        .doc("Light from all around, in place of the background: rays that leave the scene see it, and surfaces are lit by it, with soft shadows; half of the directions are taken where it is bright. The middle of the picture is -Z, its right half +X, its top +Y. White from everywhere gives white on a white surface in the open.")
+        .doc("Light from all around, in place of the background: rays that leave the scene see it, and surfaces are lit by it, with soft shadows; half of the directions are taken where it is bright. What a surface mirrors it sees as it sees other things, so of Ks only what Kr leaves shows the environment as highlights. The middle of the picture is -Z, its right half +X, its top +Y. White from everywhere gives white on a white surface in the open.")
         .usage("environment([0.8, 0.9, 1], #{ n: 4 })")
         .example("camera([0, 2, 6], [0, 0.8, 0], [0, 1, 0], 36);\nlet room = image(#{ width: 4, height: 3, pixels: [[0.9, 0.9, 1], [0.9, 0.9, 1], [4, 3, 2], [0.9, 0.9, 1], [0.4, 0.5, 0.8], [0.4, 0.5, 0.8], [3, 2, 1], [0.4, 0.5, 0.8], [0.2, 0.15, 0.1], [0.2, 0.15, 0.1], [0.2, 0.15, 0.1], [0.2, 0.15, 0.1]] });\nenvironment(room, #{ strength: 0.5, rotation: 40, n: 4 });\nambient(0, 0, 0);\ndiffuse(0.8, 0.8, 0.75);\nplane();\ndiffuse(0.8, 0.3, 0.2);\nsphere(-0.9, 0.8, 0, 0.8);\ndiffuse(0, 0, 0); specular(0.9, 0.9, 0.9); shininess(400);\nsphere(0.9, 0.8, 0, 0.8);")
         .also(&["environmentMap", "envmap", "hdri", "ibl", "skybox", "dome light", "sky_sphere", "imageLight", "world"]),
