@@ -22,8 +22,9 @@ use std::{
 };
 
 use rtscript::{
-    Builder, DVec3, Error, ErrorKind, Host, HostError, Limits, MemoryHost, RenderOptions, RunOptions, Scene,
-    Script, Term,
+    Builder, DVec3, Error, Host, Limits, MemoryHost, RenderOptions, RunOptions, Scene, Script, Term,
+    diag::ErrorKind,
+    host::HostError,
     math::sin,
     render,
     scene::{Camera, Mesh},

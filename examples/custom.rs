@@ -8,10 +8,10 @@
 use std::{error::Error, path::Path, sync::Arc};
 
 use rtscript::{
-    Builder, DVec3, Material, NoHost, RenderOptions, Term,
+    Builder, DVec3, NoHost, RenderOptions, Term,
     math::{Bounds3, DVec2, Ray, cos, sin},
     output, render,
-    scene::{Camera, CustomReflectance, CustomTexture, ShadingPoint, Texture},
+    scene::{Camera, CustomReflectance, CustomTexture, Material, ShadingPoint, Texture},
     shape::{CrossingSink, CustomShape, Disk, Shape, Surface},
 };
 

@@ -18,7 +18,10 @@ use std::{
 };
 
 use rtscript::{
-    DirHost, ErrorKind, Host, HostError, Limits, RenderOptions, RunOptions, Script, render,
+    DirHost, Host, Limits, RenderOptions, RunOptions, Script,
+    diag::ErrorKind,
+    host::HostError,
+    render,
     render::{Progress, Tile},
 };
 

@@ -127,7 +127,7 @@ impl Host for NoHost {
 /// let host = MemoryHost::new().with("models/a.obj", "v 0 0 0");
 /// assert_eq!(host.read("models/../models/a.obj", 100)?, b"v 0 0 0");
 /// assert!(host.read("../a.obj", 100).is_err());
-/// # Ok::<(), rtscript::HostError>(())
+/// # Ok::<(), rtscript::host::HostError>(())
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct MemoryHost {

@@ -12,7 +12,7 @@
 //! - [`Builder`] makes scenes without a script, by the same calls.
 //! - [`render()`] turns a scene into an [`Image`]; [`render::World`] answers rays of your own.
 //! - [`output`] encodes pictures; [`testing`] describes and compares them for snapshot tests.
-//! - Everything that went wrong or looks wrong is a [`Diagnostic`] with a place and a hint. The library never prints.
+//! - Everything that went wrong or looks wrong is a [`diag::Diagnostic`] with a place and a hint. The library never prints.
 //!
 //! ```
 //! use rtscript::{Builder, DVec3, NoHost, RenderOptions, Term, render, scene::Camera};
@@ -39,7 +39,7 @@ pub mod accel;
 #[doc(hidden)]
 pub mod cli;
 pub mod color;
-pub mod custom;
+mod custom;
 pub mod diag;
 pub mod host;
 pub mod import;
@@ -54,18 +54,19 @@ pub mod render;
 pub mod scene;
 pub mod script;
 pub mod shape;
+#[doc(hidden)]
 pub mod source;
 pub mod spline;
 pub mod tessellate;
 pub mod testing;
 
-pub use diag::{Diagnostic, Error, ErrorKind, Report};
-pub use host::{DirHost, Host, HostError, MemoryHost, NoHost};
+pub use diag::{Error, Report};
+pub use host::{DirHost, Host, MemoryHost, NoHost};
 pub use limits::Limits;
 pub use math::DVec3;
-pub use render::{Image, RenderOptions, Rendered, render};
-pub use scene::{Builder, Material, Scene, SceneError, Term};
-pub use script::{Picture, Run, RunOptions, Script};
+pub use render::{Image, RenderOptions, render};
+pub use scene::{Builder, Scene, Term};
+pub use script::{RunOptions, Script};
 
 /// The README's program, compiled and run with the tests.
 #[cfg(doctest)]

@@ -385,6 +385,45 @@ fn edges_point_down_only() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// What a first program names, and nothing else: the rest is found in its module.
+const AT_THE_ROOT: [&str; 16] = [
+    "Builder",
+    "DVec3",
+    "DirHost",
+    "Error",
+    "Host",
+    "Image",
+    "Limits",
+    "MemoryHost",
+    "NoHost",
+    "RenderOptions",
+    "Report",
+    "RunOptions",
+    "Scene",
+    "Script",
+    "Term",
+    "render",
+];
+
+#[test]
+fn the_root_shows_what_a_first_program_names() {
+    let root = sources()
+        .into_iter()
+        .find(|source| source.module == "lib")
+        .unwrap();
+    let shown: Vec<&str> = root
+        .code
+        .split("pub use ")
+        .skip(1)
+        .filter_map(|rest| rest.split_once(';'))
+        .flat_map(|(list, _)| list.rsplit_once("::").map_or(list, |(_, last)| last).split(','))
+        .map(|name| name.trim().trim_start_matches('{').trim_end_matches('}'))
+        .filter(|name| !name.is_empty())
+        .collect();
+    let shown: BTreeSet<&str> = shown.into_iter().collect();
+    assert_eq!(shown, AT_THE_ROOT.into_iter().collect());
+}
+
 #[test]
 fn the_core_knows_neither_language_nor_command_nor_system() {
     let mut wrong = Vec::new();

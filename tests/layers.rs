@@ -5,7 +5,8 @@
 use std::{fs, sync::Mutex};
 
 use rtscript::{
-    Builder, DVec3, Host, HostError, Image, Limits, NoHost, RenderOptions, RunOptions, Scene, Term,
+    Builder, DVec3, Host, Image, Limits, NoHost, RenderOptions, RunOptions, Scene, Term,
+    host::HostError,
     output::{Format, encode, save},
     render::{FileOptions, LayerKind},
     source,

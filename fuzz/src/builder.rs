@@ -3,9 +3,11 @@
 use std::sync::Arc;
 
 use rtscript::{
-    Builder, DVec3, Material, Scene, SceneError, Term,
+    Builder, DVec3, Scene, Term,
     math::{DAffine3, DMat3, DVec2},
-    scene::{Attenuation, Attribute, Camera, Encoding, ImageTexture, Mesh, Texels, Texture},
+    scene::{
+        Attenuation, Attribute, Camera, Encoding, ImageTexture, Material, Mesh, SceneError, Texels, Texture,
+    },
     shape::{Cone, Cuboid, Cylinder, Disk, Plane, Polygon, Shape, Torus},
 };
 

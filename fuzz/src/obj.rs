@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use rtscript::{
-    Builder, Diagnostic, MemoryHost,
+    Builder, MemoryHost,
+    diag::Diagnostic,
     import::{AssetCache, Assets, load_obj, load_obj_shape},
     render,
     scene::Mesh,

@@ -1,6 +1,10 @@
 //! What holds of every answer.
 
-use rtscript::{Diagnostic, Error, ErrorKind, Limits, MemoryHost, RunOptions, Scene, Script, script::Run};
+use rtscript::{
+    Error, Limits, MemoryHost, RunOptions, Scene, Script,
+    diag::{Diagnostic, ErrorKind},
+    script::Run,
+};
 
 /// Bytes of a message, without notes and hints.
 const MOST_MESSAGE: usize = 4 << 10;

@@ -220,7 +220,7 @@ impl<'a> Values<'_, 'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ErrorKind;
+    use crate::diag::ErrorKind;
 
     #[test]
     fn every_command_reads_its_values() {

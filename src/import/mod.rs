@@ -1,7 +1,7 @@
 //! Files that describe scenes or parts of them: bytes in, calls on the [`Builder`](crate::Builder) out.
 //!
 //! Nothing here opens a file by itself, and nothing trusts what it reads: every fault in a file becomes a
-//! [`Diagnostic`](crate::Diagnostic) with its file, line and column.
+//! [`Diagnostic`](crate::diag::Diagnostic) with its file, line and column.
 
 #![allow(
     clippy::result_large_err,

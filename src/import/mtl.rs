@@ -253,7 +253,7 @@ fn map<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ErrorKind;
+    use crate::diag::ErrorKind;
 
     fn one(text: &str) -> MtlMaterial<'_> {
         let source = Source::new("a.mtl", text, ErrorKind::Input);

@@ -367,7 +367,7 @@ fn squares((columns, rows): (u32, u32), samples: u32) -> impl Iterator<Item = Pa
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Builder, DVec3, HostError, NoHost, Term, render};
+    use crate::{Builder, DVec3, NoHost, Term, host::HostError, render};
 
     #[test]
     fn tiles_come_once_each_from_the_middle_on() {

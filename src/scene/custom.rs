@@ -36,7 +36,7 @@ pub struct ShadingPoint {
 /// mirrors and lets through is told by the other terms of the [`Material`](super::Material).
 ///
 /// ```
-/// use rtscript::{DVec3, Material, scene::{CustomReflectance, ShadingPoint}};
+/// use rtscript::{DVec3, scene::{Material, CustomReflectance, ShadingPoint}};
 ///
 /// /// Three steps of light, as in a drawing.
 /// #[derive(Debug)]

@@ -36,6 +36,7 @@ mod texture;
 mod texture_text;
 mod validate;
 
+pub use crate::custom::Custom;
 pub use animated::AnimatedTransform;
 pub use builder::{Builder, GroupMark};
 pub use camera::{Camera, CameraFrame, Eye, Focus, Lens, Motion, Projection, Shutter, Stereo, StereoLayout};

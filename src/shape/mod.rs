@@ -37,6 +37,7 @@ pub(crate) mod triangles;
 mod triangulate;
 mod upright;
 
+pub use crate::custom::Custom;
 pub use blob::{Blob, BlobPart};
 pub use capsule::Capsule;
 pub use cone::Cone;
@@ -61,7 +62,6 @@ pub use triangulate::triangulate;
 use std::sync::Arc;
 
 use crate::{
-    custom::Custom,
     math::{self, Bounds3, DAffine3, DVec2, DVec3, PI, Ray},
     scene::SceneError,
 };

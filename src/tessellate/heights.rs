@@ -368,6 +368,9 @@ mod tests {
         field.heights = waves(3, 3);
         assert!(field.mesh(&Allowance::of(&few)).is_err());
         let stop = Allowance::of(&Limits::default()).asking(&|| true);
-        assert_eq!(field.mesh(&stop).unwrap_err().kind, crate::ErrorKind::Cancelled);
+        assert_eq!(
+            field.mesh(&stop).unwrap_err().kind,
+            crate::diag::ErrorKind::Cancelled
+        );
     }
 }

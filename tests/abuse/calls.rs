@@ -1,6 +1,6 @@
 //! Chains of calls at random: every function of the language, with values at the edges of what there is.
 
-use rtscript::{ErrorKind, Limits, script::entries};
+use rtscript::{Limits, diag::ErrorKind, script::entries};
 
 use crate::{Quiet, run};
 

@@ -12,7 +12,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use rtscript::{DirHost, ErrorKind, Host, Limits};
+use rtscript::{DirHost, Host, Limits, diag::ErrorKind};
 
 use crate::{first_line, run};
 

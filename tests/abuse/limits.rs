@@ -3,7 +3,7 @@
 use std::{io::Cursor, time::Duration};
 
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
-use rtscript::{ErrorKind, Host, HostError, Limits, RenderOptions, render};
+use rtscript::{Host, Limits, RenderOptions, diag::ErrorKind, host::HostError, render};
 
 use crate::{Quiet, first_line, run, settle};
 

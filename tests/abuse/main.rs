@@ -23,7 +23,8 @@ use std::{
 };
 
 use rtscript::{
-    DirHost, Error, ErrorKind, Host, HostError, Limits, Report, Run, RunOptions, Script, meter::Meter,
+    DirHost, Error, Host, Limits, Report, RunOptions, Script, diag::ErrorKind, host::HostError, meter::Meter,
+    script::Run,
 };
 
 #[global_allocator]
@@ -115,7 +116,7 @@ struct Quiet;
 impl Host for Quiet {
     fn read(&self, path: &str, _max_bytes: u64) -> Result<Vec<u8>, HostError> {
         let what = format!("cannot read '{path}': no such file");
-        Err(HostError::new(rtscript::ErrorKind::Input, what))
+        Err(HostError::new(rtscript::diag::ErrorKind::Input, what))
     }
 
     fn write_image(&self, _name: &str, _image: &rtscript::Image) -> Result<(), HostError> {

@@ -18,7 +18,8 @@ mod picture;
 use std::{collections::BTreeSet, env, fmt::Write as _, fs, path::PathBuf};
 
 use rtscript::{
-    Builder, Diagnostic, Error, Limits, MemoryHost, RunOptions,
+    Builder, Error, Limits, MemoryHost, RunOptions,
+    diag::Diagnostic,
     import::{AssetCache, Assets, load_mesh, load_obj},
     script::EXAMPLE_FILES,
     source,

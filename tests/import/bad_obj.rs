@@ -2,7 +2,8 @@
 
 use proptest::prelude::*;
 use rtscript::{
-    Builder, ErrorKind, Limits, MemoryHost,
+    Builder, Limits, MemoryHost,
+    diag::ErrorKind,
     import::{AssetCache, Assets, load_obj},
 };
 

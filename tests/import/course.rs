@@ -1,7 +1,8 @@
 //! The course's scene format: every command. The ways to get one wrong are in `tests/bad`.
 
 use rtscript::{
-    Builder, DVec3, ErrorKind, Limits, Scene, Term,
+    Builder, DVec3, Limits, Scene, Term,
+    diag::ErrorKind,
     import::load_course,
     scene::{Attenuation, Encoding, Geometry, LightKind},
     shape::Shape,

@@ -3,9 +3,11 @@
 use std::sync::Arc;
 
 use rtscript::{
-    Builder, DVec3, ErrorKind, Host, HostError, Limits, Material, MemoryHost, Term,
+    Builder, DVec3, Host, Limits, MemoryHost, Term,
+    diag::ErrorKind,
+    host::HostError,
     import::{AssetCache, Assets, load_obj, load_obj_shape},
-    scene::{MaterialId, Mesh, Texels, Texture},
+    scene::{Material, MaterialId, Mesh, Texels, Texture},
 };
 
 use crate::pictures::png;
@@ -26,7 +28,7 @@ impl Loaded {
     }
 }
 
-pub(crate) fn try_load(host: &dyn Host, path: &str) -> Result<Loaded, rtscript::Diagnostic> {
+pub(crate) fn try_load(host: &dyn Host, path: &str) -> Result<Loaded, rtscript::diag::Diagnostic> {
     let mut builder = Builder::new();
     let (limits, mut cache) = (Limits::default(), AssetCache::default());
     let mesh = load_obj(path, &mut Assets::new(host, &limits, &mut cache), &mut builder)?;

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use rtscript::{
-    ErrorKind, Limits, MemoryHost,
+    Limits, MemoryHost,
+    diag::ErrorKind,
     import::{AssetCache, Assets},
     scene::{ImageTexture, Texels, Texture},
 };

@@ -1,6 +1,6 @@
 //! Meshes and pictures from files and arrays.
 
-use rtscript::{DVec3, ErrorKind, scene::Texture};
+use rtscript::{DVec3, diag::ErrorKind, scene::Texture};
 
 use crate::host::{Notes, run, run_on, try_run};
 

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use rtscript::{ErrorKind, Limits, NoHost, RunOptions, Script, script::Run};
+use rtscript::{Limits, NoHost, RunOptions, Script, diag::ErrorKind, script::Run};
 
 fn run_within(source: &str, limits: &Limits) -> Result<Run, rtscript::Error> {
     let script = Script::compile("a.rhai", source, limits)?;

@@ -2,7 +2,9 @@
 
 use std::{collections::BTreeMap, sync::Mutex};
 
-use rtscript::{Error, ErrorKind, Host, HostError, Image, Limits, Report, Run, RunOptions, Script};
+use rtscript::{
+    Error, Host, Image, Limits, Report, RunOptions, Script, diag::ErrorKind, host::HostError, script::Run,
+};
 
 /// A host that has a few files and keeps what is printed and written.
 #[derive(Default)]

@@ -6,11 +6,11 @@ use std::sync::{
 };
 
 use rtscript::{
-    DVec3, Error, Limits, MemoryHost, NoHost, Report, Run, RunOptions, Script,
+    DVec3, Error, Limits, MemoryHost, NoHost, Report, RunOptions, Script,
     diag::Code,
     scene::SceneError,
     script::{
-        Language, build,
+        Language, Run, build,
         rhai::{EvalAltResult, NativeCallContext},
     },
 };

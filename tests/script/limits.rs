@@ -1,6 +1,6 @@
 //! Limits, and scripts that mean harm.
 
-use rtscript::{ErrorKind::Limit, Limits, RunOptions, Script};
+use rtscript::{Limits, RunOptions, Script, diag::ErrorKind::Limit};
 
 use crate::host::{Notes, try_run};
 

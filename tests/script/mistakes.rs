@@ -1,7 +1,7 @@
 //! Mistakes of more than one line, and what surrounds a message: places, calls, excerpts. The messages are in `tests/bad`.
 
 use crate::host::try_run;
-use rtscript::ErrorKind::Limit;
+use rtscript::diag::ErrorKind::Limit;
 
 /// The error of a script of several lines.
 fn error(source: &str) -> String {

@@ -1,7 +1,7 @@
 //! `import`: files of functions, read through the host.
 
 use crate::host::{Notes, run_on};
-use rtscript::{ErrorKind, Limits, RunOptions, Script};
+use rtscript::{Limits, RunOptions, Script, diag::ErrorKind};
 
 #[test]
 fn functions_and_constants_are_imported() {

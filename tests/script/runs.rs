@@ -2,7 +2,9 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use rtscript::{DVec3, ErrorKind, Host, HostError, Image, Limits, RunOptions, Script, scene::Texture};
+use rtscript::{
+    DVec3, Host, Image, Limits, RunOptions, Script, diag::ErrorKind, host::HostError, scene::Texture,
+};
 
 use crate::host::{Notes, printed, run, run_on, try_run};
 

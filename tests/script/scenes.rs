@@ -8,7 +8,7 @@ use rtscript::{
 };
 
 /// Center and radius of every sphere, in the space of its group, and of those in the world.
-fn spheres(run: &rtscript::Run) -> Vec<(DVec3, f64)> {
+fn spheres(run: &rtscript::script::Run) -> Vec<(DVec3, f64)> {
     let scene = &run.scene;
     let objects = scene.root().objects.iter();
     objects

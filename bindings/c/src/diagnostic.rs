@@ -5,7 +5,11 @@ use std::{
     ptr,
 };
 
-use rtscript::{Diagnostic, Error, ErrorKind, HostError};
+use rtscript::{
+    Error,
+    diag::{Diagnostic, ErrorKind},
+    host::HostError,
+};
 
 use crate::border::{ask, c_string, free};
 

@@ -8,7 +8,7 @@ use std::{
     },
 };
 
-use rtscript::{DirHost, ErrorKind, Host, HostError, Image, NoHost, render::Progress};
+use rtscript::{DirHost, Host, Image, NoHost, diag::ErrorKind, host::HostError, render::Progress};
 
 use crate::{
     RtsOptions, RtsStatus,

@@ -5,7 +5,7 @@ use std::{
     ptr,
 };
 
-use rtscript::{Run, render};
+use rtscript::{render, script::Run};
 
 use crate::{
     RtsDiagnostic, RtsError, RtsImage, RtsOptions, RtsStatus,

@@ -4,7 +4,7 @@ use pyo3::{
     prelude::*,
     types::{PyDict, PyTuple},
 };
-use rtscript::{Diagnostic, Error};
+use rtscript::{Error, diag::Diagnostic};
 
 fn class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
     py.import("rtscript._errors")?.getattr(name)

@@ -13,7 +13,10 @@ use std::{
 
 use pyo3::prelude::*;
 use rtscript::{
-    Diagnostic, DirHost, Error, ErrorKind, Host, HostError, Image, MemoryHost, NoHost, render::Progress,
+    DirHost, Error, Host, Image, MemoryHost, NoHost,
+    diag::{Diagnostic, ErrorKind},
+    host::HostError,
+    render::Progress,
 };
 
 use crate::diagnostic::exception;

@@ -8,7 +8,7 @@ use pyo3::{
     types::{PyByteArray, PyBytes},
 };
 use rtscript::{
-    Diagnostic,
+    diag::Diagnostic,
     output::{Format, encode, save},
 };
 

@@ -1,7 +1,7 @@
 //! What a script left behind.
 
 use pyo3::prelude::*;
-use rtscript::{Diagnostic, Report, render};
+use rtscript::{Report, diag::Diagnostic, render};
 
 use crate::{
     diagnostic::list,
@@ -13,12 +13,12 @@ use crate::{
 /// What a script left behind: the scene, the pictures that it rendered, warnings.
 #[pyclass(frozen, module = "rtscript")]
 pub(crate) struct Run {
-    run: rtscript::Run,
+    run: rtscript::script::Run,
     warnings: Vec<Diagnostic>,
 }
 
 impl Run {
-    pub(crate) fn new(report: Report<rtscript::Run>) -> Self {
+    pub(crate) fn new(report: Report<rtscript::script::Run>) -> Self {
         Self {
             run: report.value,
             warnings: report.warnings,

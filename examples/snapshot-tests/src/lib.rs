@@ -1,8 +1,8 @@
 //! Charts as pictures: a library whose product is scenes, and whose tests look at what they show.
 
 use rtscript::{
-    Builder, DVec3, Scene, SceneError, Term,
-    scene::{Camera, Edition},
+    Builder, DVec3, Scene, Term,
+    scene::{Camera, Edition, SceneError},
     shape::{Cuboid, Shape},
 };
 

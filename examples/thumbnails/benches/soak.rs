@@ -21,7 +21,7 @@ use std::{
 };
 
 use common::{GOOD, HOSTILE, fresh, percentile};
-use rtscript::{ErrorKind, Image, MemoryHost, meter::Meter, output};
+use rtscript::{Image, MemoryHost, diag::ErrorKind, meter::Meter, output};
 use thumbnails::{
     Config,
     work::{JobHost, Request, thumbnail},

@@ -11,7 +11,9 @@ use std::{
 };
 
 use rtscript::{
-    Error, ErrorKind, Host, HostError, Image, MemoryHost, RenderOptions, RunOptions, Script,
+    Error, Host, Image, MemoryHost, RenderOptions, RunOptions, Script,
+    diag::ErrorKind,
+    host::HostError,
     output::{Format, encode},
     render,
 };

@@ -226,7 +226,7 @@ fn the_host_hears_of_it_before_the_render() {
     #[derive(Default)]
     struct Ears(Mutex<Vec<Code>>);
     impl Host for Ears {
-        fn read(&self, _: &str, _: u64) -> Result<Vec<u8>, crate::HostError> {
+        fn read(&self, _: &str, _: u64) -> Result<Vec<u8>, crate::host::HostError> {
             unreachable!()
         }
         fn warn(&self, warning: &Diagnostic) {

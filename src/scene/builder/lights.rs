@@ -95,7 +95,7 @@ impl Builder {
     /// let mut b = Builder::new();
     /// let (from, at) = (DVec3::new(0.0, 5.0, 0.0), DVec3::ZERO);
     /// b.spot(Spot::new(from, at, (30.0, 5.0), 0.0, b.current_attenuation())?, DVec3::ONE)?;
-    /// # Ok::<(), rtscript::SceneError>(())
+    /// # Ok::<(), rtscript::scene::SceneError>(())
     /// ```
     ///
     /// # Errors
@@ -113,7 +113,7 @@ impl Builder {
     /// let mut b = Builder::new();
     /// let (center, down) = (DVec3::new(0.0, 3.0, 0.0), DVec3::NEG_Y);
     /// b.surface_light(SurfaceLight::disk(center, down, 0.5, 4, Falloff::Physical)?, DVec3::splat(9.0))?;
-    /// # Ok::<(), rtscript::SceneError>(())
+    /// # Ok::<(), rtscript::scene::SceneError>(())
     /// ```
     ///
     /// # Errors
@@ -161,7 +161,7 @@ impl Builder {
     /// let car = b.group_called("car")?;
     /// b.light_linking(Links::new(Some(vec![car]), Vec::new())?)?;
     /// b.point(DVec3::splat(5.0), DVec3::ONE)?;
-    /// # Ok::<(), rtscript::SceneError>(())
+    /// # Ok::<(), rtscript::scene::SceneError>(())
     /// ```
     ///
     /// # Errors

@@ -38,7 +38,7 @@ use crate::{
 /// b.sphere(DVec3::ZERO, 1.0)?;
 /// let scene = b.finish().value;
 /// assert_eq!(scene.root().objects.len(), 1);
-/// # Ok::<(), rtscript::SceneError>(())
+/// # Ok::<(), rtscript::scene::SceneError>(())
 /// ```
 #[derive(Debug)]
 pub struct Builder {

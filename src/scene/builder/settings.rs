@@ -26,7 +26,7 @@ impl Builder {
     /// b.edition(Edition::E2026)?;
     /// b.sphere(DVec3::ZERO, 1.0)?;
     /// assert!(b.finish().value.dump().starts_with("edition 2026\n"));
-    /// # Ok::<(), rtscript::SceneError>(())
+    /// # Ok::<(), rtscript::scene::SceneError>(())
     /// ```
     ///
     /// # Errors
@@ -146,7 +146,7 @@ impl Builder {
     ///     ground: DVec3::splat(0.2),
     /// };
     /// b.environment(Some(Environment::new(sky, DVec3::ONE, 0.0, Environment::POINTS)?))?;
-    /// # Ok::<(), rtscript::SceneError>(())
+    /// # Ok::<(), rtscript::scene::SceneError>(())
     /// ```
     ///
     /// # Errors

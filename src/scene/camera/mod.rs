@@ -162,7 +162,7 @@ impl Camera {
     /// let above = Projection::Orthographic { height: 10.0 };
     /// let plan = Camera::with_projection(DVec3::Y, DVec3::ZERO, DVec3::NEG_Z, above)?;
     /// assert_eq!(plan.fovy(), None);
-    /// # Ok::<(), rtscript::SceneError>(())
+    /// # Ok::<(), rtscript::scene::SceneError>(())
     /// ```
     ///
     /// # Errors

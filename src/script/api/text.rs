@@ -96,7 +96,7 @@ fn described(call: &mut Call<'_, '_>, state: &mut State) -> Outcome<Text> {
 fn text(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     let text = described(call, state)?;
     let (mesh, missing) = made(state, |allowance| {
-        let of = |error: crate::SceneError| error.of(format_args!("text"));
+        let of = |error: crate::scene::SceneError| error.of(format_args!("text"));
         let mesh = text.mesh(allowance).map_err(of)?;
         Ok((mesh, text.missing(allowance).map_err(of)?))
     })?;

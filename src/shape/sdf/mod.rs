@@ -83,7 +83,7 @@ impl Isosurface {
     /// let field = x.square() + y.square() * z.square() - 0.5;
     /// let bounds = Bounds3::new(DVec3::splat(-1.0), DVec3::splat(1.0));
     /// let shape = Shape::Isosurface(Isosurface::new(field, bounds)?.into());
-    /// # Ok::<(), rtscript::SceneError>(())
+    /// # Ok::<(), rtscript::scene::SceneError>(())
     /// ```
     ///
     /// # Errors

@@ -18,7 +18,7 @@ use crate::{
 /// let solid = ball.smooth_union(&ball.moved(DVec3::X), 0.3)?.hollowed(0.05)?;
 /// let mut b = Builder::new();
 /// b.shape(Shape::Isosurface(solid.isosurface()?.into()))?;
-/// # Ok::<(), rtscript::SceneError>(())
+/// # Ok::<(), rtscript::scene::SceneError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sdf {

@@ -19,7 +19,7 @@
 //! b.directional(DVec3::ONE, DVec3::ONE)?;
 //! b.sphere(DVec3::ZERO, 1.0)?;
 //! assert_render_snapshot!("ball", b.finish());
-//! # Ok::<(), rtscript::SceneError>(())
+//! # Ok::<(), rtscript::scene::SceneError>(())
 //! ```
 //!
 //! What may stand there is [`Snapshotted`]: a scene, a picture with or without its scene, what a script left behind,

@@ -274,6 +274,6 @@ fn a_ball_may_stand_where_a_ball_of_light_is() {
     b.sphere(center, 1.0).unwrap();
     b.camera(Camera::new(DVec3::Z * 9.0, center, DVec3::Y, 40.0).unwrap());
     let warnings = crate::render::inspect(&b.finish().value, &NoHost).unwrap();
-    let is_inside = |d: &crate::Diagnostic| d.code == crate::diag::Code::LightInside;
+    let is_inside = |d: &crate::diag::Diagnostic| d.code == crate::diag::Code::LightInside;
     assert!(!warnings.iter().any(is_inside), "{warnings:?}");
 }

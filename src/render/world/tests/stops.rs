@@ -10,8 +10,9 @@ use std::{
 
 use super::super::{super::interrupt::Interrupt, World};
 use crate::{
-    Builder, DVec3, Host, HostError, NoHost, RenderOptions, Scene,
+    Builder, DVec3, Host, NoHost, RenderOptions, Scene,
     diag::ErrorKind,
+    host::HostError,
     math, render,
     render::KeptTrees,
     scene::{Mesh, Term},
