@@ -41,7 +41,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         ]])
         .doc("Light from all around, in place of the background: rays that leave the scene see it, and surfaces are lit by it, with soft shadows; half of the directions are taken where it is bright. What a surface mirrors it sees as it sees other things, so of Ks only what Kr leaves shows the environment as highlights. The middle of the picture is -Z, its right half +X, its top +Y. White from everywhere gives white on a white surface in the open.")
         .usage("environment([0.8, 0.9, 1], #{ n: 4 })")
-        .example("camera([0, 2, 6], [0, 0.8, 0], [0, 1, 0], 36);\nlet room = image(#{ width: 4, height: 3, pixels: [[0.9, 0.9, 1], [0.9, 0.9, 1], [4, 3, 2], [0.9, 0.9, 1], [0.4, 0.5, 0.8], [0.4, 0.5, 0.8], [3, 2, 1], [0.4, 0.5, 0.8], [0.2, 0.15, 0.1], [0.2, 0.15, 0.1], [0.2, 0.15, 0.1], [0.2, 0.15, 0.1]] });\nenvironment(room, #{ strength: 0.5, rotation: 40, n: 4 });\nambient(0, 0, 0);\ndiffuse(0.8, 0.8, 0.75);\nplane();\ndiffuse(0.8, 0.3, 0.2);\nsphere(-0.9, 0.8, 0, 0.8);\ndiffuse(0, 0, 0); specular(0.9, 0.9, 0.9); shininess(400);\nsphere(0.9, 0.8, 0, 0.8);")
+        .example("samples(4);\nsampler(\"sobol\");\ncamera([0, 2, 6], [0, 0.8, 0], [0, 1, 0], 36);\nlet room = image(#{ width: 4, height: 3, pixels: [[0.9, 0.9, 1], [0.9, 0.9, 1], [4, 3, 2], [0.9, 0.9, 1], [0.4, 0.5, 0.8], [0.4, 0.5, 0.8], [3, 2, 1], [0.4, 0.5, 0.8], [0.2, 0.15, 0.1], [0.2, 0.15, 0.1], [0.2, 0.15, 0.1], [0.2, 0.15, 0.1]] });\nenvironment(room, #{ strength: 0.5, rotation: 40, n: 3 });\nambient(0, 0, 0);\ndiffuse(0.8, 0.8, 0.75);\nplane();\ndiffuse(0.8, 0.3, 0.2);\nsphere(-0.9, 0.8, 0, 0.8);\ndiffuse(0, 0, 0); specular(0.9, 0.9, 0.9); shininess(400);\nsphere(0.9, 0.8, 0, 0.8);")
         .also(&["environmentMap", "envmap", "hdri", "ibl", "skybox", "dome light", "sky_sphere", "imageLight", "world"]),
     Entry::scene(Group::Lights, "sky", sky)
         .takes(&[&[map("look", "zenith, horizon, ground: colors straight up, above the horizon and below it, unless given [0.25, 0.45, 0.9], [0.85, 0.9, 1] and [0.3, 0.28, 0.25]; strength, rotation and n as for environment")
@@ -49,7 +49,7 @@ pub(super) const ENTRIES: &[Entry] = &[
             .or("#{}")]])
         .doc("An environment that goes from the horizon's color up to the zenith's, evenly by the sine of the height, and is of the ground's color below.")
         .usage("sky(#{ zenith: [0.2, 0.4, 0.9], horizon: [1, 1, 1] })")
-        .example("camera([0, 2, 6], [0, 0.8, 0], [0, 1, 0], 36);\nsky(#{ zenith: [0.15, 0.3, 0.8], horizon: [1, 0.75, 0.5], ground: [0.2, 0.2, 0.2] });\nambient(0, 0, 0);\ndiffuse(0.8, 0.8, 0.75);\nplane();\ndiffuse(0.8, 0.8, 0.8);\nsphere(-0.9, 0.8, 0, 0.8);\ndiffuse(0, 0, 0); specular(0.9, 0.9, 0.9); shininess(400);\nsphere(0.9, 0.8, 0, 0.8);")
+        .example("samples(4);\nsampler(\"sobol\");\ncamera([0, 2, 6], [0, 0.8, 0], [0, 1, 0], 36);\nsky(#{ zenith: [0.15, 0.3, 0.8], horizon: [1, 0.75, 0.5], ground: [0.2, 0.2, 0.2], n: 3 });\nambient(0, 0, 0);\ndiffuse(0.8, 0.8, 0.75);\nplane();\ndiffuse(0.8, 0.8, 0.8);\nsphere(-0.9, 0.8, 0, 0.8);\ndiffuse(0, 0, 0); specular(0.9, 0.9, 0.9); shininess(400);\nsphere(0.9, 0.8, 0, 0.8);")
         .also(&["skydome", "gradientSky", "hemisphereLight", "HemisphereLight", "skyLight"]),
     Entry::scene(Group::Lights, "daylight", daylight)
         .takes(&[&[
@@ -61,7 +61,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         ]])
         .doc("A clear sky by Preetham, Shirley and Smits (1999) as the environment, and its sun as a directional light with soft shadows, in the colors that the air leaves of it. A white floor under a high sun has about 1; the sun's disk itself is not seen.")
         .usage("daylight([1, 1, 0.5], 3)")
-        .example("camera([0, 2, 6], [0, 0.8, 0], [0, 1, 0], 36);\ndaylight([-1, 0.35, 0.4], 4);\nambient(0, 0, 0);\ndiffuse(0.7, 0.7, 0.65);\nplane();\ndiffuse(0.8, 0.8, 0.8);\nsphere(-0.9, 0.8, 0, 0.8);\ndiffuse(0.05, 0.05, 0.05); specular(0.8, 0.8, 0.8); shininess(400);\nsphere(0.9, 0.8, 0, 0.8);")
+        .example("samples(4);\nsampler(\"sobol\");\ncamera([0, 2, 6], [0, 0.8, 0], [0, 1, 0], 36);\ndaylight([-1, 0.35, 0.4], 4, #{ n: 3 });\nambient(0, 0, 0);\ndiffuse(0.7, 0.7, 0.65);\nplane();\ndiffuse(0.8, 0.8, 0.8);\nsphere(-0.9, 0.8, 0, 0.8);\ndiffuse(0.05, 0.05, 0.05); specular(0.8, 0.8, 0.8); shininess(400);\nsphere(0.9, 0.8, 0, 0.8);")
         .also(&["sunSky", "sunsky", "preetham", "nishita", "hosek", "skyTexture", "sun and sky"]),
     Entry::scene(Group::Lights, "ambientOcclusion", ambient_occlusion)
         .takes(&[&[

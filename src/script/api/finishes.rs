@@ -41,6 +41,16 @@ macro_rules! studio {
     };
 }
 
+/// A bright sky over a floor: rough things show it smoothly, where they show a lamp's highlight on one another as sparks.
+macro_rules! gloss {
+    ($rest:literal) => {
+        concat!(
+            "samples(25);\nsampler(\"sobol\");\nsky(#{ zenith: [1, 1, 1], horizon: [0.5, 0.6, 0.75], n: 0 });\ndirectional([2, 4, 3], [0.2, 0.2, 0.2]);\ngroup { translate(0, -1, 0); ambient(checker(\"#999\", \"#254\", 1)); diffuse(checker(\"#ddd\", \"#586\", 1)); plane(); }\nambient(0, 0, 0);\ndiffuse(0, 0, 0);\n",
+            $rest
+        )
+    };
+}
+
 pub(super) const ENTRIES: &[Entry] = &[
     Entry::scene(Group::Materials, "fresnel", fresnel)
         .takes(&[&[Param::new("on", Kind::Any, "none", "true or false")]])
@@ -58,22 +68,22 @@ pub(super) const ENTRIES: &[Entry] = &[
         ])
         .doc("The mirror of a metal: its color by Fresnel's equations for conductors, paler at grazing angles. Where neither Kr nor Ks is given, Kr is white.")
         .usage("conductor(\"gold\")")
-        .example(studio!("let metals = [\"gold\", \"copper\", \"silver\"];\nfor i in 0..3 {\n  conductor(metals[i]);\n  roughness(0.15 * i);\n  sphere(i * 1.9 - 1.9, 0, 0, 0.9);\n}"))
+        .example(gloss!("let metals = [\"gold\", \"copper\", \"silver\"];\nfor i in 0..3 {\n  conductor(metals[i]);\n  roughness(0.15 * i);\n  sphere(i * 1.9 - 1.9, -0.1, 0, 0.9);\n}"))
         .also(&["metal", "metallic", "gold", "silver", "copper", "aluminium"]),
     Entry::scene(Group::Materials, "roughness", roughness)
         .takes(&[
             &[number("r", "none", "0 smooth to 1; 0.1 satin, 0.3 brushed, 0.6 frosted")],
             &[term("texture", "the mean of its channels is the roughness")],
         ])
-        .doc("Blurs what the mirror sees and what is seen through, as a surface of tiny mirrors (GGX) does, and shows lamps in it as highlights of the same shape with weight Kr, in place of Ks and shininess. One ray is followed for each sample, so samples(n) decides about the noise. Default: 0.")
+        .doc("Blurs what the mirror sees and what is seen through, as a surface of tiny mirrors (GGX) does, and shows lamps in it as highlights of the same shape with weight Kr, in place of Ks and shininess. One ray is followed for each sample, so samples(n) and sampler(\"sobol\") decide about the noise. No ray meets a lamp: where rough things see its highlight on one another there are sparks, which a bright part of an environment in its place does not give. Default: 0.")
         .usage("roughness(0.3)")
-        .example(studio!("reflection(0.9, 0.9, 0.9);\nfor i in 0..3 {\n  roughness(0.1 + 0.2 * i);\n  sphere(i * 1.9 - 1.9, 0, 0, 0.9);\n}"))
+        .example(gloss!("reflection(0.9, 0.9, 0.9);\nfor i in 0..3 {\n  roughness(0.1 + 0.2 * i);\n  sphere(i * 1.9 - 1.9, -0.1, 0, 0.9);\n}"))
         .also(&["microfacet", "ggx", "frosted", "blurry", "glossy"]),
     Entry::scene(Group::Materials, "multiscatter", multiscatter)
         .takes(&[&[Param::new("on", Kind::Any, "none", "true or false")]])
         .doc("Gives back the light that the tiny mirrors of a rough, opaque surface throw at each other, which roughness(r) alone takes for lost: up to 60 % of it where r is 1. Rough metals get brighter, and their colors stronger. Glass stays as it is. Default: false.")
         .usage("multiscatter(true)")
-        .example(studio!("roughness(0.8);\nconductor(\"copper\");\nsphere(-1.1, 0, 0, 1);\nmultiscatter(true);\nsphere(1.1, 0, 0, 1);"))
+        .example("samples(32);\nsampler(\"sobol\");\nsky(#{ zenith: [1.1, 1.1, 1.1], horizon: [0.4, 0.5, 0.65], ground: [0.4, 0.35, 0.3], n: 0 });\nambient(0, 0, 0);\ndiffuse(0, 0, 0);\nconductor(\"copper\");\nfor i in 0..3 {\n  roughness(0.4 + 0.2 * i);\n  multiscatter(false);   // above\n  sphere(i * 1.7 - 1.7, 0.8, 0, 0.65);\n  multiscatter(true);\n  sphere(i * 1.7 - 1.7, -0.8, 0, 0.65);\n}")
         .also(&["multipleScattering", "energyCompensation", "kullaConty", "MULTI_GGX"]),
     Entry::scene(Group::Materials, "orenNayar", oren_nayar)
         .takes(&[&[amount_param("sigma", "degrees", "spread of the slopes, 0 to 90; clay 20, the moon 40")]])
@@ -112,7 +122,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         ])
         .doc("Bends colors apart as glass with this Abbe number does, ior(n) being that of yellow light. A named glass, Cauchy's and Sellmeier's formula say their index, too, as if by ior(n); a later ior(n) moves the indices of all colors by as much as that of yellow. Each sample that goes through has one wavelength, so this needs many samples.")
         .usage("dispersion(\"SF10\")")
-        .example("background(\"#e8edf2\");\nsamples(24);\nmaxDepth(8);\nambient(0, 0, 0);\ncamera([0, 0, 6], [0, 0, 0], [0, 1, 0], 40);\nfor y in [-2, 0.5] {   // black bars behind the ball\n  group { translate(0, y, -6); scale(12, 0.5, 0.1); box(); }\n}\ntransmission(1, 1, 1);\nior(1.6);\ndispersion(8);\nsphere(0, 0, 0, 1.3);")
+        .example("background(\"#e8edf2\");\nsamples(32);\nsampler(\"sobol\");\nmaxDepth(8);\nambient(0, 0, 0);\ncamera([0, 0, 6], [0, 0, 0], [0, 1, 0], 40);\nfor y in [-2, 0.5] {   // black bars behind the ball\n  group { translate(0, y, -6); scale(12, 0.5, 0.1); box(); }\n}\ntransmission(1, 1, 1);\nior(1.6);\ndispersion(8);\nsphere(0, 0, 0, 1.3);")
         .also(&["abbe", "rainbow", "chromatic", "cauchy", "sellmeier", "dispersion_samples"]),
     Entry::scene(Group::Materials, "bump", bump)
         .takes(&[&[
