@@ -1,6 +1,6 @@
 //! A hierarchy of boxes over the pieces of one shape.
 
-use crate::math::{Bounds3, DVec3, Ray};
+use crate::math::{Bounds3, DVec2, DVec3, Ray};
 
 /// Boxes around boxes around pieces, so that a line looks at few pieces of many. The boxes are a little wider than what
 /// they hold: no rounding may hide a piece that a crossing is on.
@@ -110,6 +110,15 @@ pub(super) fn line_meets(ray: &Ray, b: &Bounds3) -> bool {
         hi = hi.min(t0.max(t1));
     }
     lo <= hi
+}
+
+/// Whether the line in x and z through `o` along `d` meets a box of any height: its middle is no farther from the line
+/// than its corners reach.
+#[inline]
+pub(super) fn flat_line_meets(o: DVec2, d: DVec2, b: &Bounds3) -> bool {
+    let (low, high) = (DVec2::new(b.min.x, b.min.z) - o, DVec2::new(b.max.x, b.max.z) - o);
+    let reach = d.x.abs() * (high.y - low.y) + d.y.abs() * (high.x - low.x);
+    d.perp_dot(low + high).abs() <= reach
 }
 
 /// Whether a box holds a point.

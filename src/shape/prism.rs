@@ -1,16 +1,18 @@
 //! The prism: an outline swept along Y.
 
+mod wall;
+
+use self::wall::{Course, Wall};
 use super::{
     Crossing, CrossingSink, Solidity, Surface, coordinate,
-    pieces::{Framed, line_meets},
+    pieces::{Framed, flat_line_meets},
     positive,
-    roots::{Bernstein, nearest},
     span::Span,
 };
 use crate::{
     math::{Bounds3, DVec2, DVec3, Ray},
     scene::SceneError,
-    spline::{Piece, Spline},
+    spline::Spline,
 };
 
 /// One or more closed outlines in x and z, swept along Y and closed by flat ends; centered in y.
@@ -30,13 +32,6 @@ pub struct Prism {
     half: f64,
     /// Outline after outline.
     walls: Framed<Wall>,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-struct Wall {
-    piece: Piece<2>,
-    /// u of its beginning and of its end.
-    u: [f64; 2],
 }
 
 /// The outlines, how they are curved, and the height; all else follows from them.
@@ -102,7 +97,7 @@ impl Prism {
         let walls = loops.iter().flat_map(|pieces| {
             let n = pieces.len() as f64;
             pieces.iter().enumerate().map(move |(i, piece)| Wall {
-                piece: Piece(piece.0),
+                course: Course::new(piece),
                 u: [i as f64 / n, (i + 1) as f64 / n],
             })
         });
@@ -110,16 +105,16 @@ impl Prism {
             bounds,
             walls,
             |frame, wall| {
-                let place = |p: [f64; 2]| {
-                    let p = frame.of(corner(&p, 0.0));
-                    [p.x, p.z]
+                let place = |p: DVec2| {
+                    let p = frame.of(DVec3::new(p.x, 0.0, p.y));
+                    DVec2::new(p.x, p.z)
                 };
                 Wall {
-                    piece: Piece(wall.piece.0.map(place)),
+                    course: wall.course.map(place),
                     ..wall
                 }
             },
-            |wall| Bounds3::around(wall.piece.0.iter().map(|p| corner(p, 0.0))),
+            |wall| wall.course.bounds(),
         );
         Ok(Self {
             half: 0.5 * height / walls.frame().scale(),
@@ -192,13 +187,10 @@ impl Prism {
     /// line for both, so the number is even.
     fn walls_met(&self, o: DVec2, d: DVec2) -> Vec<Met> {
         let mut met = Vec::new();
-        let flat = Ray::new(DVec3::new(o.x, 0.0, o.y), DVec3::new(d.x, 0.0, d.y));
         self.walls.each(
-            |b| line_meets(&flat, b),
+            |b| flat_line_meets(o, d, b),
             |i, wall| {
-                let off = wall.piece.0.map(|p| DVec2::from(p) - o);
-                Bernstein(off.map(|p| d.perp_dot(p))).sign_changes(&mut |u, falls| {
-                    let along = Bernstein(off.map(|p| d.dot(p))).at(u).0;
+                wall.course.cross(o, d, &mut |along, falls| {
                     met.push(Met {
                         along,
                         wall: i,
@@ -234,9 +226,8 @@ impl Prism {
                 uv: DVec2::ZERO,
             };
         };
-        let at = nearest(&wall.piece, [q.x, q.z], [1.0, 1.0]);
-        let [x, z] = wall.piece.tangent(at);
-        let right = DVec3::new(z, 0.0, -x);
+        let (at, way) = wall.course.nearest(DVec2::new(q.x, q.z));
+        let right = DVec3::new(way.y, 0.0, -way.x);
         let u = wall.u[0] + (wall.u[1] - wall.u[0]) * at;
         let normal = if part.is_multiple_of(2) { right } else { -right };
         Surface {

@@ -93,9 +93,16 @@ fn density_of(part: &BlobPart, p: DVec3) -> (f64, DVec3) {
 /// The distance between `p` and the curves, by a search that no root finding is part of: where it may be least it is
 /// looked at ever closer. And whether an odd number of pieces is to the right of `p`.
 fn curve_distance<const N: usize>(pieces: &[Piece<N>], measure: impl Fn([f64; N]) -> f64) -> f64 {
-    let mut best = f64::INFINITY;
+    let starts = pieces.iter().map(|piece| measure(piece.position(0.0)));
+    let mut best = starts.fold(f64::INFINITY, f64::min);
     for piece in pieces {
         let at = |u: f64| measure(piece.position(u));
+        // No point of the piece is farther from its first than its control points are apart in all, and no measure grows
+        // by more than twice as much.
+        let length: f64 = piece.0.windows(2).map(|w| span(&w[0], &w[1])).sum();
+        if at(0.0).is_finite() && at(0.0) - 2.0 * length > best {
+            continue;
+        }
         let steps = 64;
         let values: Vec<f64> = (0..=steps).map(|i| at(f64::from(i) / f64::from(steps))).collect();
         for i in 0..=steps as usize {
@@ -129,6 +136,14 @@ fn curve_distance<const N: usize>(pieces: &[Piece<N>], measure: impl Fn([f64; N]
     best
 }
 
+fn span<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (a - b) * (a - b))
+        .sum::<f64>()
+        .sqrt()
+}
+
 /// Whether closed curves go around the point an odd number of times: by the angles at which points close together on them
 /// are seen. Near a curve the chords between them are no measure.
 fn is_within(loops: &[Vec<Piece<2>>], p: DVec2) -> bool {
@@ -147,7 +162,7 @@ fn is_within(loops: &[Vec<Piece<2>>], p: DVec2) -> bool {
             if off.x < -reach || off.y.abs() > reach && (a[1] > p.y) == (b[1] > p.y) {
                 continue;
             }
-            if off.x > reach || depth == 0 {
+            if off.x >= reach || depth == 0 {
                 // All of it is to the right: only its ends count.
                 odd ^= (a[1] > p.y) != (b[1] > p.y);
                 continue;

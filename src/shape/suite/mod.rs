@@ -27,7 +27,7 @@ use super::{
 };
 use crate::{
     math::{self, Bounds3, DMat3, DVec2, DVec3, PI, Ray},
-    spline::Spline,
+    spline::{Piece, Spline},
 };
 
 /// A profile that closes on the axis at both ends.
@@ -242,6 +242,55 @@ pub(super) fn ring(n: usize) -> Vec<[f64; 2]> {
     (0..n).map(corner).collect()
 }
 
+/// The outline of a gear.
+fn teeth(n: usize) -> Vec<[f64; 2]> {
+    let corner = |i: usize| {
+        let (s, c) = math::sin_cos_degrees(360.0 * i as f64 / n as f64);
+        let r = if i % 4 < 2 { 1.0 } else { 0.8 };
+        [r * c, r * s]
+    };
+    (0..n).map(corner).collect()
+}
+
+/// A square of many points in a line, two of them one, around a notch.
+fn in_line() -> Vec<[f64; 2]> {
+    let tenth = |i: i32| f64::from(i) / 10.0;
+    let bottom = (-10..10).map(|i| [tenth(i), -1.0]);
+    let right = (-10..10).map(|i| [1.0, tenth(i)]);
+    let top = (-9..=10).rev().map(|i| [tenth(i), 1.0]);
+    let rest = [
+        [-1.0, 1.0],
+        [-1.0, 1.0],
+        [-1.0, 0.5],
+        [0.5, 0.5],
+        [0.5, -0.5],
+        [-1.0, -0.5],
+    ];
+    bottom.chain(right).chain(top).chain(rest).collect()
+}
+
+/// Corners of angles down to a thousandth of a degree.
+fn needles() -> Vec<[f64; 2]> {
+    vec![
+        [-1.0, -0.5],
+        [1.0, 0.0],
+        [-0.9, -0.4],
+        [1.0, 0.4],
+        [-0.9, -0.399],
+        [1.0, 0.400_03],
+        [-1.0, 0.5],
+    ]
+}
+
+/// Bezier pieces of which two are straight lines.
+fn mixed() -> Vec<[f64; 2]> {
+    let (a, b, c) = ([-1.0, -0.7], [1.0, -0.7], [0.6, 0.9]);
+    let lines = [Piece::line(a, b), Piece::line(b, c)];
+    let curve = [c, [0.1, 0.2], [-1.5, 1.4]];
+    let straight = lines.iter().flat_map(|line| line.0.into_iter().take(3));
+    straight.chain(curve).collect()
+}
+
 fn swept(s: f64) -> Vec<Shape> {
     let times = |points: &[[f64; 2]], s: f64| points.iter().map(|p| p.map(|x| x * s)).collect::<Vec<_>>();
     let star = times(&ring(10), s);
@@ -271,6 +320,14 @@ fn swept(s: f64) -> Vec<Shape> {
         prism(&[&star, &hole], Spline::CatmullRom, 0.3),
         prism(&[&crossed], Spline::Linear, 2.0),
         prism(&[&hole[..].to_vec()], Spline::Bezier, 4.0),
+        prism(
+            &[&times(&teeth(400), s), &hole, &times(&ring(6), 0.1 * s)],
+            Spline::Linear,
+            0.4,
+        ),
+        prism(&[&times(&in_line(), s)], Spline::Linear, 1.0),
+        prism(&[&times(&needles(), s)], Spline::Linear, 1.0),
+        prism(&[&times(&mixed(), s)], Spline::Bezier, 0.7),
         lathe(&VASE, Spline::Linear, false),
         lathe(&VASE, Spline::CatmullRom, false),
         lathe(&tire, Spline::CatmullRom, true),
