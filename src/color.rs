@@ -6,6 +6,12 @@ use crate::math::{self, DVec3};
 pub type Color = DVec3;
 
 /// sRGB electrical value in [0, 1] to scene-linear light (IEC 61966-2-1).
+///
+/// ```
+/// use rtscript::color::{linear_from_srgb, srgb_from_linear};
+/// assert!((linear_from_srgb(0.5) - 0.214).abs() < 1e-3);
+/// assert!((srgb_from_linear(linear_from_srgb(0.3)) - 0.3).abs() < 1e-12);
+/// ```
 #[must_use]
 pub fn linear_from_srgb(v: f64) -> f64 {
     if v <= 0.04045 {
@@ -16,6 +22,12 @@ pub fn linear_from_srgb(v: f64) -> f64 {
 }
 
 /// Scene-linear light in [0, 1] to the sRGB electrical value (IEC 61966-2-1).
+///
+/// ```
+/// use rtscript::color::srgb_from_linear;
+/// // Half of the light is brighter than half of the code values.
+/// assert!((srgb_from_linear(0.5) - 0.735).abs() < 1e-3);
+/// ```
 #[must_use]
 pub fn srgb_from_linear(v: f64) -> f64 {
     if v <= 0.003_130_8 {
@@ -26,6 +38,13 @@ pub fn srgb_from_linear(v: f64) -> f64 {
 }
 
 /// Parses `"#rrggbb"` or `"#rgb"` (sRGB) into scene-linear RGB; `None` where the text is no such code.
+///
+/// ```
+/// use rtscript::{DVec3, color::from_hex};
+/// assert_eq!(from_hex("#f00"), Some(DVec3::X));
+/// assert_eq!(from_hex("#ffffff"), Some(DVec3::ONE));
+/// assert_eq!(from_hex("red"), None);
+/// ```
 #[must_use]
 pub fn from_hex(text: &str) -> Option<Color> {
     let digits = text.strip_prefix('#')?;
@@ -48,6 +67,13 @@ pub fn from_hex(text: &str) -> Option<Color> {
 
 /// Lightness, green to red and blue to yellow of a linear color in Oklab (Ottosson, "A perceptual color space for image
 /// processing", 2020): equal steps look alike. White is [1, 0, 0].
+///
+/// ```
+/// use rtscript::{DVec3, color::{Color, linear_from_oklab, oklab_from_linear}};
+/// let red: Color = DVec3::X;
+/// let half_as_light = oklab_from_linear(red) * DVec3::new(0.5, 1.0, 1.0);
+/// assert!(linear_from_oklab(half_as_light).x < red.x);
+/// ```
 #[must_use]
 pub fn oklab_from_linear(c: Color) -> DVec3 {
     let l = 0.412_221_470_8 * c.x + 0.536_332_536_3 * c.y + 0.051_445_992_9 * c.z;
@@ -63,6 +89,12 @@ pub fn oklab_from_linear(c: Color) -> DVec3 {
 
 /// The linear color of an Oklab one, which may lie outside of what a screen shows: then components are negative or
 /// above 1.
+///
+/// ```
+/// use rtscript::{DVec3, color::linear_from_oklab};
+/// // Lightness 1 without a hue is white.
+/// assert!((linear_from_oklab(DVec3::X) - DVec3::ONE).length() < 1e-3);
+/// ```
 #[must_use]
 pub fn linear_from_oklab(lab: DVec3) -> Color {
     let l = lab.x + 0.396_337_777_4 * lab.y + 0.215_803_757_3 * lab.z;
@@ -78,6 +110,12 @@ pub fn linear_from_oklab(lab: DVec3) -> Color {
 
 /// The linear color of a lightness in [0, 1], a chroma (0 is gray, 0.3 about the strongest there is) and a hue in degrees of
 /// Oklab. What no screen shows gets as much chroma as one does.
+///
+/// ```
+/// use rtscript::color::linear_from_oklch;
+/// let [red, green] = [20.0, 140.0].map(|hue| linear_from_oklch(0.6, 0.15, hue));
+/// assert!(red.x > red.y && green.y > green.x);
+/// ```
 #[must_use]
 pub fn linear_from_oklch(lightness: f64, chroma: f64, hue: f64) -> Color {
     let (sin, cos) = math::sin_cos_degrees(hue);
@@ -99,6 +137,12 @@ pub fn linear_from_oklch(lightness: f64, chroma: f64, hue: f64) -> Color {
 }
 
 /// Relative luminance of a linear color (Rec. 709).
+///
+/// ```
+/// use rtscript::{DVec3, color::luminance};
+/// assert!((luminance(DVec3::ONE) - 1.0).abs() < 1e-9);
+/// assert!(luminance(DVec3::Y) > luminance(DVec3::X));
+/// ```
 #[must_use]
 pub fn luminance(c: Color) -> f64 {
     0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z

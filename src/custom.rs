@@ -7,6 +7,20 @@ use std::{fmt, ops::Deref, sync::Arc};
 /// A scene is data: it is hashed, compared and written out. What stands for this in all of that is its `Debug` text, so
 /// two with the same text count as the same. A derived `Debug` has every field in it, and numbers so that they read back
 /// as the same bits; that is what is wanted.
+///
+/// ```
+/// use rtscript::{DVec3, math::DVec2, scene::{CustomTexture, Texture}, shape::Custom};
+/// #[derive(Debug)]
+/// struct Plain(f64);
+/// impl CustomTexture for Plain {
+///     fn color(&self, _: DVec2, _: DVec3) -> DVec3 {
+///         DVec3::splat(self.0)
+///     }
+/// }
+/// let Texture::Custom(texture) = Texture::custom(Plain(0.5)) else { panic!("a custom one") };
+/// let texture: Custom<dyn CustomTexture> = texture;
+/// assert_eq!(texture.identity(), "Plain(0.5)");
+/// ```
 pub struct Custom<T: ?Sized>(Arc<T>);
 
 impl<T: ?Sized + fmt::Debug> Custom<T> {

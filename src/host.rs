@@ -15,6 +15,23 @@ use crate::{
 };
 
 /// Why a host did not do as asked.
+///
+/// ```
+/// use rtscript::{Host, MemoryHost, diag::ErrorKind, host::HostError};
+/// struct Shelf(MemoryHost);
+/// impl Host for Shelf {
+///     fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, HostError> {
+///         if path.ends_with(".rhai") {
+///             return Err(HostError::new(ErrorKind::Denied, "scripts are not for reading"));
+///         }
+///         self.0.read(path, max_bytes)
+///     }
+/// }
+/// let shelf = Shelf(MemoryHost::new().with("a.rhai", "sphere(0, 0, 0, 1);").with("a.txt", "words"));
+/// assert_eq!(shelf.read("a.rhai", 100).unwrap_err().kind, ErrorKind::Denied);
+/// assert_eq!(shelf.read("a.txt", 100)?, b"words");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HostError {
     /// [`ErrorKind::Input`], [`ErrorKind::Denied`], [`ErrorKind::Limit`] or [`ErrorKind::Output`].
@@ -108,6 +125,11 @@ pub trait Host: Send + Sync {
 }
 
 /// A host without a world: nothing can be read, nothing is printed.
+///
+/// ```
+/// use rtscript::{Host, NoHost};
+/// assert!(NoHost.read("a.png", 100).is_err());
+/// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoHost;
 
@@ -195,6 +217,11 @@ fn too_large(path: &str, max_bytes: u64) -> HostError {
 
 /// The path of an asset that the file `named_in` names as `path`: relative to that file's folder, as a
 /// relative path with `/`.
+///
+/// ```
+/// use rtscript::host::resolve;
+/// assert_eq!(resolve("models/car.obj", "car.mtl"), "models/car.mtl");
+/// ```
 #[must_use]
 pub fn resolve(named_in: &str, path: &str) -> String {
     let path = path.replace('\\', "/");

@@ -4,6 +4,15 @@ use std::time::Duration;
 
 /// Upper bounds on what a script and the scene it builds may use. Each has an error of its own that names the
 /// limit, its value and the line.
+///
+/// ```
+/// use rtscript::Limits;
+/// let mut limits = Limits::untrusted();
+/// // This host has textures for its scripts, and less patience.
+/// limits.files = 100;
+/// limits.script_time = std::time::Duration::from_secs(1);
+/// assert!(limits.primitives < Limits::default().primitives);
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Limits {

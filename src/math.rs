@@ -63,6 +63,13 @@ from_libm! {
 }
 
 /// `x` to a whole power by squaring: products only, so the same bits everywhere and cheaper than [`pow`].
+///
+/// ```
+/// use rtscript::math::{Exponent, pow, powi};
+/// assert_eq!(powi(2.0, 10), 1024.0);
+/// // Made once, used for many bases.
+/// assert_eq!(Exponent::new(3.0).of(2.0), pow(2.0, 3.0));
+/// ```
 #[inline]
 #[must_use]
 pub fn powi(x: f64, n: u32) -> f64 {
@@ -78,6 +85,12 @@ pub fn powi(x: f64, n: u32) -> f64 {
 }
 
 /// The exponent of a highlight, looked at once for all the powers taken with it.
+///
+/// ```
+/// use rtscript::math::Exponent;
+/// assert_eq!(Exponent::new(2.0), Exponent::Whole(2));
+/// assert_eq!(Exponent::Whole(2).of_each(&[1.0, 3.0]), [1.0, 9.0]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exponent {
     /// A whole number below 2^16: the power is a product.
@@ -129,6 +142,11 @@ impl Exponent {
 }
 
 /// [`sin`] and [`cos`] of an angle in radians, to the bit, for little more than one of them.
+///
+/// ```
+/// use rtscript::math::{cos, sin, sin_cos};
+/// assert_eq!(sin_cos(0.7), (sin(0.7), cos(0.7)));
+/// ```
 #[must_use]
 pub fn sin_cos(x: f64) -> (f64, f64) {
     libm::sincos(x)
@@ -136,6 +154,12 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
 
 /// Sine and cosine of an angle in degrees; exact at multiples of 90, so that a quarter turn leaves no dust
 /// in a matrix.
+///
+/// ```
+/// use rtscript::math::sin_cos_degrees;
+/// // Quarter turns are exact.
+/// assert_eq!(sin_cos_degrees(90.0), (1.0, 0.0));
+/// ```
 #[must_use]
 pub fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
     let turn = degrees % 360.0;
@@ -153,6 +177,12 @@ pub fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
 }
 
 /// Rotation about a unit `axis` by `degrees`, right-handed (Rodrigues' formula; Foley et al., 1990, 5.6).
+///
+/// ```
+/// use rtscript::{DVec3, math::rotation};
+/// // A quarter turn about Y takes X to -Z.
+/// assert_eq!(rotation(DVec3::Y, 90.0) * DVec3::X, DVec3::NEG_Z);
+/// ```
 #[must_use]
 pub fn rotation(axis: DVec3, degrees: f64) -> DMat3 {
     let (s, c) = sin_cos_degrees(degrees);
@@ -166,6 +196,12 @@ pub fn rotation(axis: DVec3, degrees: f64) -> DMat3 {
 
 /// True where the matrix flattens space: |det| is nothing beside the product of the column lengths, which
 /// unlike a fixed bound does not mistake a small scale for a flat one.
+///
+/// ```
+/// use rtscript::{DVec3, math::{DMat3, is_singular}};
+/// assert!(is_singular(&DMat3::from_diagonal(DVec3::new(1.0, 0.0, 1.0))));
+/// assert!(!is_singular(&DMat3::IDENTITY));
+/// ```
 #[must_use]
 pub fn is_singular(m: &DMat3) -> bool {
     let volume = m.x_axis.length() * m.y_axis.length() * m.z_axis.length();
@@ -173,6 +209,11 @@ pub fn is_singular(m: &DMat3) -> bool {
 }
 
 /// Largest absolute component.
+///
+/// ```
+/// use rtscript::{DVec3, math::max_abs};
+/// assert_eq!(max_abs(DVec3::new(1.0, -3.0, 2.0)), 3.0);
+/// ```
 #[must_use]
 pub fn max_abs(v: DVec3) -> f64 {
     v.x.abs().max(v.y.abs()).max(v.z.abs())
@@ -180,6 +221,14 @@ pub fn max_abs(v: DVec3) -> f64 {
 
 /// A ray `origin + t * dir`. `dir` need not be a unit vector: under an instance's inverse matrix it is not,
 /// which keeps `t` comparable between spaces.
+///
+/// ```
+/// use rtscript::{DVec3, math::{DAffine3, Ray}};
+/// let ray = Ray { origin: DVec3::ZERO, dir: 2.0 * DVec3::X };
+/// assert_eq!(ray.at(3.0), 6.0 * DVec3::X);
+/// let moved = ray.transformed(&DAffine3::from_translation(DVec3::Y));
+/// assert_eq!(moved.at(3.0), DVec3::new(6.0, 1.0, 0.0));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// Start of the ray.
@@ -212,6 +261,16 @@ impl Ray {
 }
 
 /// An axis-aligned box, empty where `min > max`.
+///
+/// ```
+/// use rtscript::{DVec3, math::{Bounds3, DAffine3}};
+/// let unit = Bounds3::new(DVec3::ZERO, DVec3::ONE);
+/// assert_eq!((unit.center(), unit.size()), (DVec3::splat(0.5), DVec3::ONE));
+/// let moved = unit.transformed(&DAffine3::from_translation(DVec3::X));
+/// assert_eq!(unit.union(&moved).size(), DVec3::new(2.0, 1.0, 1.0));
+/// assert_eq!(Bounds3::around(unit.corners()), unit);
+/// assert!(!unit.is_empty());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds3 {
     /// Smallest corner.

@@ -53,6 +53,11 @@ impl<A> Meter<A> {
 }
 
 /// Bytes that the current thread holds; 0 where no [`Meter`] is installed. Below 0 where it frees what others allocated.
+///
+/// ```
+/// // Nothing is counted where no `Meter` is the program's allocator.
+/// assert_eq!(rtscript::meter::held(), 0);
+/// ```
 #[inline]
 #[must_use]
 pub fn held() -> isize {

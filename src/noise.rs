@@ -44,6 +44,13 @@ fn within(p: DVec3) -> DVec3 {
 
 /// Gradient noise between -1 and 1, 0 at whole points, hills of about one unit: Perlin's fifth-degree fade and twelve
 /// gradients ("Improving noise", SIGGRAPH 2002). Twice differentiable. Beyond [`REACH`] it is that of the nearest point within.
+///
+/// ```
+/// use rtscript::{DVec3, noise::perlin};
+/// // Nothing at lattice points, within -1 and 1 between them.
+/// assert_eq!(perlin(DVec3::new(1.0, 2.0, 3.0)), 0.0);
+/// assert!(perlin(DVec3::new(1.3, 2.1, 3.7)).abs() <= 1.0);
+/// ```
 #[must_use]
 pub fn perlin(p: DVec3) -> f64 {
     let p = within(p);
@@ -78,6 +85,11 @@ fn slope(hash: u64, d: DVec3) -> f64 {
 /// Simplex noise between -1 and 1 with the same twelve gradients: less bound to the axes than [`perlin`] (Perlin, "Noise
 /// hardware", SIGGRAPH 2001 course; Gustavson, "Simplex noise demystified", 2005). The kernel's radius is the square root of 1/2,
 /// with which it is continuous across the faces of the tetrahedra. Beyond [`REACH`] it is that of the nearest point within.
+///
+/// ```
+/// use rtscript::{DVec3, noise::simplex};
+/// assert!(simplex(DVec3::new(0.3, 0.1, 0.7)).abs() <= 1.0);
+/// ```
 #[must_use]
 pub fn simplex(p: DVec3) -> f64 {
     let p = within(p);
@@ -132,6 +144,12 @@ pub struct Worley {
 /// the cube's center by `jitter` times a random offset within it, 0 for a lattice and 1 for cells without order; distances are
 /// Euclid's. Exact: every cube that may hold a nearer point is looked at. `jitter` is taken within [0, 1]. Beyond [`REACH`] it is
 /// that of the nearest point within.
+///
+/// ```
+/// use rtscript::{DVec3, noise::{Worley, worley}};
+/// let Worley { nearest, second, cell } = worley(DVec3::new(0.2, 0.4, 0.9), 1.0);
+/// assert!(nearest <= second && (0.0..1.0).contains(&cell));
+/// ```
 #[must_use]
 pub fn worley(p: DVec3, jitter: f64) -> Worley {
     let p = within(p);
@@ -231,6 +249,14 @@ impl Octaves {
 
 /// Fractal Brownian motion: octaves of [`perlin`] noise added up and divided by the sum of their amplitudes, so that it lies
 /// between -1 and 1 (Musgrave, in Ebert et al., "Texturing and Modeling", 1994).
+///
+/// ```
+/// use rtscript::{DVec3, noise::{Octaves, fbm, perlin}};
+/// let p = DVec3::new(0.3, 0.1, 0.7);
+/// assert_eq!(fbm(p, Octaves::new(1)), perlin(p));
+/// let rough = Octaves { gain: 0.7, ..Octaves::new(6) };
+/// assert!(fbm(p, rough).is_finite());
+/// ```
 #[must_use]
 pub fn fbm(p: DVec3, octaves: Octaves) -> f64 {
     octaves.sum(p, perlin)
@@ -238,12 +264,24 @@ pub fn fbm(p: DVec3, octaves: Octaves) -> f64 {
 
 /// Octaves of the absolute value of [`perlin`] noise, between 0 and 1: creases where the noise changes its sign (Perlin, "An
 /// image synthesizer", SIGGRAPH 1985).
+///
+/// ```
+/// use rtscript::{DVec3, noise::{Octaves, turbulence}};
+/// assert!(turbulence(DVec3::new(0.3, 0.1, 0.7), Octaves::new(4)) >= 0.0);
+/// ```
 #[must_use]
 pub fn turbulence(p: DVec3, octaves: Octaves) -> f64 {
     octaves.sum(p, |p| perlin(p).abs())
 }
 
 /// A displacement of each point of space, each component between -1 and 1: [`fbm`] at three places far apart.
+///
+/// ```
+/// use rtscript::{DVec3, noise::{Octaves, displacement}};
+/// let p = DVec3::new(0.3, 0.1, 0.7);
+/// let veined = p + 0.5 * displacement(p, Octaves::new(4));
+/// assert!(veined != p);
+/// ```
 #[must_use]
 pub fn displacement(p: DVec3, octaves: Octaves) -> DVec3 {
     let at = |x: f64, y: f64, z: f64| fbm(p + DVec3::new(x, y, z), octaves);

@@ -28,6 +28,13 @@ use crate::{
 const JPEG_QUALITY: u8 = 95;
 
 /// A kind of picture file.
+///
+/// ```
+/// use rtscript::output::Format;
+/// assert_eq!(Format::from_path("a.PNG".as_ref())?, Format::Png);
+/// assert!(Format::from_path("a.gif".as_ref()).is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// Lossless, compressed: `.png`.
@@ -82,6 +89,15 @@ impl Format {
 ///
 /// # Errors
 /// What the writer reports.
+///
+/// ```
+/// use rtscript::{Image, output::{Format, encode, encode_into}, testing::from_rgb8};
+/// let image: Image = from_rgb8(1, 1, &[255, 0, 0]);
+/// let mut out = Vec::new();
+/// encode_into(&image, Format::Ppm, &mut out)?;
+/// assert_eq!(out, encode(&image, Format::Ppm)?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn encode_into(image: &Image, format: Format, out: &mut impl Write) -> io::Result<()> {
     let (width, height) = (image.width(), image.height());
     let file = image.file_options();
@@ -152,6 +168,15 @@ fn rgb16_bytes(image: &Image) -> Vec<u8> {
 ///
 /// # Errors
 /// What the writer reports.
+///
+/// ```
+/// use rtscript::{output::encode_png_with, parameters::Parameters, recipe::Recipe, testing::from_rgb8};
+/// let image = from_rgb8(1, 1, &[255, 0, 0]);
+/// let recipe = Recipe::new("a.rhai", "sphere(0, 0, 0, 1);", &Parameters::default()).of_picture(image.hash());
+/// let png = encode_png_with(&image, &recipe)?;
+/// assert_eq!(Recipe::of_png(&png), Some(recipe));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn encode_png_with(image: &Image, recipe: &Recipe) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     encode_png(image, Some(recipe), &mut bytes)?;
@@ -183,6 +208,13 @@ fn encode_png(image: &Image, recipe: Option<&Recipe>, out: impl Write) -> io::Re
 ///
 /// # Errors
 /// What the encoder reports, such as a size the format cannot hold.
+///
+/// ```
+/// use rtscript::{output::{Format, encode}, testing::from_rgb8};
+/// let image = from_rgb8(2, 1, &[255, 0, 0, 0, 0, 255]);
+/// assert_eq!(encode(&image, Format::Ppm)?, b"P6\n2 1\n255\n\xff\0\0\0\0\xff");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn encode(image: &Image, format: Format) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     encode_into(image, format, &mut bytes)?;
@@ -195,6 +227,15 @@ pub fn encode(image: &Image, format: Format) -> io::Result<Vec<u8>> {
 ///
 /// # Errors
 /// `Output`, naming the path, where the ending is unknown or the file cannot be written.
+///
+/// ```
+/// use rtscript::{output::save, testing::{from_rgb8, load_picture}};
+/// let path = std::env::temp_dir().join(format!("rtscript-save-{}.png", std::process::id()));
+/// save(&path, &from_rgb8(1, 1, &[255, 0, 0]))?;
+/// assert_eq!(load_picture(&path)?.rgb8(), [255, 0, 0]);
+/// # std::fs::remove_file(&path)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn save(path: &Path, image: &Image) -> Result<(), HostError> {
     let format = Format::from_path(path)?;
     image
@@ -248,6 +289,16 @@ fn layer_pfm(layer: &Layer, size: (u32, u32)) -> io::Result<Vec<u8>> {
 ///
 /// # Errors
 /// As [`save`].
+///
+/// ```
+/// use rtscript::{output::save_with, parameters::Parameters, recipe::Recipe, testing::from_rgb8};
+/// let path = std::env::temp_dir().join(format!("rtscript-save-with-{}.png", std::process::id()));
+/// let image = from_rgb8(1, 1, &[255, 0, 0]);
+/// save_with(&path, &image, &Recipe::new("a.rhai", "sphere(0, 0, 0, 1);", &Parameters::default()))?;
+/// assert!(Recipe::of_png(&std::fs::read(&path)?).is_some());
+/// # std::fs::remove_file(&path)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn save_with(path: &Path, image: &Image, recipe: &Recipe) -> Result<(), HostError> {
     if Format::from_path(path)? != Format::Png || image.file_options().bits == Some(16) {
         return save(path, image);
@@ -262,6 +313,16 @@ pub fn save_with(path: &Path, image: &Image, recipe: &Recipe) -> Result<(), Host
 ///
 /// # Errors
 /// `Output`, naming the path and what stands in the way.
+///
+/// ```
+/// use rtscript::output::check_target;
+/// let inputs = ["scene.png".into()];
+/// assert!(check_target("picture.png".as_ref(), &inputs).is_ok());
+/// // It has an unknown ending, or has nowhere to go.
+/// for wrong in ["picture.gif", "no/such/folder/picture.png"] {
+///     assert!(check_target(wrong.as_ref(), &inputs).is_err());
+/// }
+/// ```
 pub fn check_target(path: &Path, inputs: &[PathBuf]) -> Result<(), HostError> {
     Format::from_path(path)?;
     check_writable(path, inputs)

@@ -11,6 +11,16 @@ pub const RESERVED: [&str; 4] = ["size", "samples", "seed", "region"];
 ///
 /// As text `size=320x200 samples=4 seed=7 region=10,20,64x48 radius=0.5`, in this order, without what is `None`; `none` where all is.
 /// Values with blanks or quotes stand in quotes, as Rust would write them.
+///
+/// ```
+/// use rtscript::parameters::Parameters;
+/// let mut asked: Parameters = "size=320x200 radius=0.5".parse()?;
+/// asked.set("seed", "3")?;
+/// let all = asked.or(&"radius=1 color=red".parse()?);
+/// assert_eq!((all.size, all.seed), (Some((320, 200)), Some(3)));
+/// assert_eq!((all.values["radius"].as_str(), all.values["color"].as_str()), ("0.5", "red"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Parameters {
@@ -63,6 +73,11 @@ impl Parameters {
 }
 
 /// Whether a script may declare a parameter of this name.
+///
+/// ```
+/// use rtscript::parameters::is_name;
+/// assert!(is_name("wheel_radius") && !is_name("2 wheels"));
+/// ```
 #[must_use]
 pub fn is_name(name: &str) -> bool {
     let mut chars = name.chars();
@@ -209,6 +224,14 @@ impl ParameterKind {
 }
 
 /// A parameter that a script declared.
+///
+/// ```
+/// use rtscript::{Limits, NoHost, RunOptions, Script, parameters::ParameterKind};
+/// let script = Script::compile("a.rhai", r#"param("radius", 0.5); sphere(0, 0, 0, 1);"#, &Limits::default())?;
+/// let declared = script.run(&NoHost, &RunOptions::default())?.value.parameters;
+/// assert_eq!((declared[0].name.as_str(), declared[0].kind), ("radius", ParameterKind::Number));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Declared {

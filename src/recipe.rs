@@ -27,6 +27,13 @@ const HEAD: &str = "rtscript recipe 1";
 const MOST_BYTES: usize = 64 << 20;
 
 /// What a picture was made from.
+///
+/// ```
+/// use rtscript::{parameters::Parameters, recipe::Recipe};
+/// let mut recipe = Recipe::new("scene.rhai", "import \"ball\" as ball;", &Parameters::default());
+/// recipe.add("ball.rhai", "sphere(0, 0, 0, 1);");
+/// assert_eq!(Recipe::parse(&recipe.to_text()), Some(recipe));
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Recipe {
     /// Version of the rtscript that made it.

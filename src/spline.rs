@@ -10,6 +10,17 @@
 use std::fmt;
 
 /// How a curve follows its points.
+///
+/// ```
+/// use rtscript::spline::{Spline, position, tangent};
+/// let pieces = Spline::CatmullRom.pieces(&[[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]], false)?;
+/// assert_eq!(position(&pieces, 1.0), Some([2.0, 0.0]));
+/// assert!(tangent(&pieces, 0.0).is_some_and(|[x, y]| x > 0.0 && y > 0.0));
+/// assert_eq!(Spline::of_name(Spline::CatmullRom.name()), Some(Spline::CatmullRom));
+/// // A WrongCount says how many points the kind wants.
+/// assert!(Spline::Bezier.pieces(&[[0.0], [1.0]], false).is_err());
+/// # Ok::<(), rtscript::spline::WrongCount>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Spline {
     /// Straight from point to point.
@@ -130,6 +141,13 @@ fn mix<const N: usize>(a: [f64; N], b: [f64; N], t: f64) -> [f64; N] {
 
 /// A cubic Bezier curve by its four control points (de Casteljau; Farin, "Curves and Surfaces for CAGD", 2002,
 /// chapter 4).
+///
+/// ```
+/// use rtscript::spline::Piece;
+/// let piece = Piece::line([0.0, 0.0], [3.0, 0.0]);
+/// assert_eq!(piece.position(0.5), [1.5, 0.0]);
+/// assert_eq!((piece.derivative(0.5), piece.tangent(0.5)), ([3.0, 0.0], [3.0, 0.0]));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece<const N: usize>(pub [[f64; N]; 4]);
 
@@ -208,12 +226,24 @@ fn at<const N: usize>(pieces: &[Piece<N>], t: f64) -> Option<(&Piece<N>, f64)> {
 
 /// The point at `t` in [0, 1] along a curve of several pieces, each taking the same part of it; `None` where there
 /// are no pieces.
+///
+/// ```
+/// use rtscript::spline::{Piece, position};
+/// let pieces = [Piece::line([0.0], [1.0]), Piece::line([1.0], [5.0])];
+/// assert_eq!(position(&pieces, 0.75), Some([3.0]));
+/// ```
 #[must_use]
 pub fn position<const N: usize>(pieces: &[Piece<N>], t: f64) -> Option<[f64; N]> {
     at(pieces, t).map(|(piece, u)| piece.position(u))
 }
 
 /// The direction of travel at `t` as in [`position()`], not a unit vector.
+///
+/// ```
+/// use rtscript::spline::{Piece, tangent};
+/// let pieces = [Piece::line([0.0, 0.0], [0.0, 2.0])];
+/// assert_eq!(tangent(&pieces, 0.3), Some([0.0, 2.0]));
+/// ```
 #[must_use]
 pub fn tangent<const N: usize>(pieces: &[Piece<N>], t: f64) -> Option<[f64; N]> {
     at(pieces, t).map(|(piece, u)| piece.tangent(u))

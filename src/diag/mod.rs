@@ -13,6 +13,17 @@ pub use near::nearest_names;
 use std::{fmt, sync::Arc};
 
 /// A place in a source file. Lines and columns count from 1; 0 means unknown.
+///
+/// ```
+/// use rtscript::{Builder, DVec3, diag::SourceLoc};
+/// let mut b = Builder::new();
+/// let file = b.file("made.txt");
+/// b.set_loc(SourceLoc { file, line: 7, column: 1 });
+/// b.sphere(DVec3::ZERO, 1.0)?;
+/// let scene = b.finish().value;
+/// assert_eq!(scene.root().objects[0].loc.line, 7);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct SourceLoc {
     /// Line, from 1; 0 where unknown.
@@ -24,6 +35,12 @@ pub struct SourceLoc {
 }
 
 /// Whether the run can go on.
+///
+/// ```
+/// use rtscript::diag::{Code, Diagnostic, ErrorKind, Severity};
+/// assert_eq!(Diagnostic::error(ErrorKind::Input, "no such file").severity, Severity::Error);
+/// assert_eq!(Diagnostic::warning(Code::NoLight, "there is no light").severity, Severity::Warning);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Severity {
     /// The run ends without a picture.
@@ -44,6 +61,14 @@ impl Severity {
 }
 
 /// Whose fault an error is; the command's exit code follows from it.
+///
+/// ```
+/// use rtscript::{Limits, NoHost, RunOptions, Script, diag::ErrorKind};
+/// let script = Script::compile("a.rhai", "loop { }", &Limits::untrusted())?;
+/// let error = script.run(&NoHost, &RunOptions::default()).unwrap_err();
+/// assert_eq!(error.kind(), ErrorKind::Limit);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorKind {
     /// The script or the scene it describes is wrong.
@@ -79,6 +104,16 @@ impl ErrorKind {
 }
 
 /// One message with its place.
+///
+/// ```
+/// use rtscript::diag::{Diagnostic, ErrorKind};
+/// let fault = Diagnostic::error(ErrorKind::Input, "3 numbers were expected, not 2")
+///     .at("model.obj", 7, 3)
+///     .with_source("v 1 2")
+///     .note("a vertex has a place in space")
+///     .hint("write v 1 2 0");
+/// assert!(fault.to_string().starts_with("model.obj:7:3: error: 3 numbers were expected, not 2"));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Diagnostic {
     /// Error or warning.
@@ -230,6 +265,12 @@ impl fmt::Display for Diagnostic {
 }
 
 /// Why a run gave no result: the error, what else is wrong, and the warnings that came before it.
+///
+/// ```
+/// use rtscript::{Limits, Script};
+/// let error = Script::compile("a.rhai", "sphere(0, 0, 0, 1;", &Limits::default()).unwrap_err();
+/// assert_eq!((error.diagnostic.line, error.all().count()), (1, 1));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Error {
     /// What ended the run.
@@ -275,6 +316,14 @@ impl fmt::Display for Error {
 impl std::error::Error for Error {}
 
 /// A value with the warnings that came up on the way to it.
+///
+/// ```
+/// use rtscript::{Builder, Report};
+/// let Report { value: scene, warnings } = Builder::new().finish();
+/// // It has a default camera, and nothing that it could see.
+/// assert!(scene.root().objects.is_empty());
+/// println!("{} warnings", warnings.len());
+/// ```
 #[derive(Clone, Debug)]
 pub struct Report<T> {
     /// The result.

@@ -4,6 +4,11 @@
 ///
 /// Distance is Damerau-Levenshtein on lower-case text without underscores, so that `push_transform` and
 /// `pushtransform` both find `pushTransform`. Names of more than 256 bytes are near to nothing.
+///
+/// ```
+/// use rtscript::diag::nearest_names;
+/// assert_eq!(nearest_names("spere", ["sphere", "plane"]), ["sphere"]);
+/// ```
 #[must_use]
 pub fn nearest_names<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
     let fold = |s: &str| {

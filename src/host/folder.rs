@@ -19,6 +19,13 @@ use crate::diag::ErrorKind;
 /// The folder is opened with the first read, and stays the same one however it is renamed. Devices, pipes and sockets are
 /// refused, and nothing waits for their other end. On targets without descriptors of folders (wasm32) paths are checked
 /// by their text, and what is beyond the sandbox of the module is that sandbox's affair.
+///
+/// ```
+/// use rtscript::{DirHost, Host, diag::ErrorKind};
+/// let host = DirHost::new("src");
+/// assert!(host.read("lib.rs", 1 << 20).is_ok());
+/// assert_eq!(host.read("../Cargo.toml", 1 << 20).unwrap_err().kind, ErrorKind::Denied);
+/// ```
 #[derive(Clone)]
 pub struct DirHost {
     root: PathBuf,
@@ -90,6 +97,13 @@ impl Host for DirHost {
 ///
 /// # Errors
 /// As [`Host::read`].
+///
+/// ```
+/// use rtscript::host::read_below;
+/// let folder = std::path::Path::new("src");
+/// assert!(read_below(folder, "lib.rs", 1 << 20).is_ok());
+/// assert!(read_below(folder, "../Cargo.toml", 1 << 20).is_err());
+/// ```
 pub fn read_below(root: &Path, path: &str, max_bytes: u64) -> Result<Vec<u8>, HostError> {
     DirHost::new(root).read(path, max_bytes)
 }

@@ -13,6 +13,14 @@ use crate::{
 /// Where there are no positions, the indices or the positions do not come in threes, an index is not that of a
 /// position, there are not as many normals or uvs as positions, a number is not finite or beyond 1e15, or a normal
 /// is zero. The message names the first entry that is wrong, counted from 0.
+///
+/// ```
+/// use rtscript::{DVec3, import::mesh_from_arrays};
+/// let corners = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
+/// let mesh = mesh_from_arrays(corners, Some(&[0, 1, 2]), None, None)?;
+/// assert_eq!(mesh.triangles, [[0, 1, 2]]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn mesh_from_arrays(
     positions: Vec<DVec3>,
     indices: Option<&[i64]>,
@@ -46,6 +54,14 @@ pub fn mesh_from_arrays(
 ///
 /// # Errors
 /// Where a normal is zero or not finite, there are not as many indices as corners, or one is not that of a normal.
+///
+/// ```
+/// use rtscript::{DVec3, import::{mesh_from_arrays, set_normals}};
+/// let mut mesh = mesh_from_arrays(vec![DVec3::ZERO, DVec3::X, DVec3::Y], None, None, None)?;
+/// set_normals(&mut mesh, vec![DVec3::Z], &[0, 0, 0])?;
+/// assert!(mesh.normals.is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn set_normals(mesh: &mut Mesh, normals: Vec<DVec3>, indices: &[i64]) -> Result<(), SceneError> {
     check_normals(&normals)?;
     mesh.normals = Some(Attribute {
@@ -59,6 +75,14 @@ pub fn set_normals(mesh: &mut Mesh, normals: Vec<DVec3>, indices: &[i64]) -> Res
 ///
 /// # Errors
 /// As [`set_normals`]; a uv may be zero.
+///
+/// ```
+/// use rtscript::{DVec3, import::{mesh_from_arrays, set_uvs}, math::DVec2};
+/// let mut mesh = mesh_from_arrays(vec![DVec3::ZERO, DVec3::X, DVec3::Y], None, None, None)?;
+/// set_uvs(&mut mesh, vec![DVec2::ZERO, DVec2::X, DVec2::Y], &[0, 1, 2])?;
+/// assert!(mesh.uvs.is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn set_uvs(mesh: &mut Mesh, uvs: Vec<DVec2>, indices: &[i64]) -> Result<(), SceneError> {
     check_uvs(&uvs)?;
     mesh.uvs = Some(Attribute {

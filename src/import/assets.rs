@@ -136,6 +136,18 @@ impl AssetCache {
 /// A host, its limits and the cache of a run, put together for as long as files are read.
 ///
 /// Paths are relative with `/`, as [`resolve`](crate::host::resolve) gives them.
+///
+/// ```
+/// use rtscript::{Builder, Limits, MemoryHost, import::{AssetCache, Assets, load_mesh}};
+/// let host = MemoryHost::new().with("card.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+/// let (limits, mut cache) = (Limits::default(), AssetCache::default());
+/// let mut assets = Assets::new(&host, &limits, &mut cache);
+/// let mut b = Builder::new();
+/// let mesh = load_mesh("card.obj", &mut assets, &mut b).map_err(rtscript::Error::from)?;
+/// b.mesh(&mesh)?;
+/// assert_eq!((mesh.triangles.len(), cache.files()), (1, 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Assets<'a> {
     host: &'a dyn Host,
     limits: &'a Limits,

@@ -27,6 +27,13 @@ const TABLE_WIDTH: usize = 100;
 ///
 /// # Errors
 /// The same as [`load_course`]: what does not load is not converted.
+///
+/// ```
+/// use rtscript::import::script_from_course;
+/// let script = script_from_course("ball.test", "size 64 48\nsphere 0 0 0 1\n").map_err(rtscript::Error::from)?;
+/// assert!(script.contains("sphere("));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn script_from_course(name: &str, source: &str) -> Result<String, Diagnostic> {
     load_course(name, source, &mut Builder::new())?;
     let source = Source::new(name, source, ErrorKind::Input);

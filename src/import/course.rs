@@ -28,6 +28,16 @@ pub struct Course {
 /// # Errors
 /// An unknown command, a wrong number of values, a value that is no finite number, a vertex that is not
 /// listed yet, or whatever the [`Builder`] refuses; with file, line and column.
+///
+/// ```
+/// use rtscript::{Builder, import::{Course, load_course}};
+/// let text = "size 64 48\noutput ball.png\ncamera 0 0 4 0 0 0 0 1 0 45\nsphere 0 0 0 1\n";
+/// let mut b = Builder::new();
+/// let Course { output, .. } = load_course("ball.test", text, &mut b).map_err(rtscript::Error::from)?;
+/// assert_eq!(output.as_deref(), Some("ball.png"));
+/// assert_eq!(b.finish().value.root().objects.len(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn load_course(name: &str, source: &str, builder: &mut Builder) -> Result<Course, Diagnostic> {
     let source = Source::new(name, source, ErrorKind::Input);
     let mut loader = Loader {
@@ -47,6 +57,14 @@ pub fn load_course(name: &str, source: &str, builder: &mut Builder) -> Result<Co
 
 /// Commands after line `last` that cannot be read, at most nine: what else is wrong with a file whose first error is
 /// there.
+///
+/// ```
+/// use rtscript::{Builder, import::{further_course_errors, load_course}};
+/// let text = "size 64\nsphere 0 0 0 1\nsphere 0 0\n";
+/// let first = load_course("ball.test", text, &mut Builder::new()).unwrap_err();
+/// let more = further_course_errors("ball.test", text, first.line);
+/// assert_eq!((first.line, more[0].line), (1, 3));
+/// ```
 #[must_use]
 pub fn further_errors(name: &str, source: &str, last: u32) -> Vec<Diagnostic> {
     const MOST: usize = 9;

@@ -19,6 +19,18 @@ const MOST: usize = 512 << 20;
 
 /// Meshes and textures kept from one run to the next, by path and content: up to 512 MiB, the longest unused go first.
 /// Clones share what is kept.
+///
+/// ```
+/// use rtscript::{MemoryHost, RunOptions, Script, import::KeptAssets};
+/// let host = MemoryHost::new().with("card.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+/// let script = Script::compile("a.rhai", r#"mesh("card.obj");"#, &Default::default())?;
+/// let mut options = RunOptions::default();
+/// options.assets = Some(KeptAssets::new());
+/// // The second run finds what the first one read.
+/// script.run(&host, &options)?;
+/// script.run(&host, &options)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct KeptAssets(Arc<Mutex<Kept>>);
 

@@ -36,6 +36,18 @@ use crate::{
 /// With file, line and column where the file or a library is malformed, where a library or a texture cannot be
 /// read, where a name leads outside the host's folder, or where a limit is passed. Where the file itself cannot be
 /// read the error has no place: it belongs to the call that names the file.
+///
+/// ```
+/// # use rtscript::{Builder, Limits, MemoryHost, import::{AssetCache, Assets, load_obj}};
+/// let host = MemoryHost::new()
+///     .with("card.obj", "mtllib card.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n")
+///     .with("card.mtl", "newmtl red\nKd 1 0 0\n");
+/// let (limits, mut cache) = (Limits::default(), AssetCache::default());
+/// let mut assets = Assets::new(&host, &limits, &mut cache);
+/// let mesh = load_obj("card.obj", &mut assets, &mut Builder::new()).map_err(rtscript::Error::from)?;
+/// assert_eq!((mesh.positions.len(), mesh.face_materials.len()), (3, 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn load_obj(path: &str, assets: &mut Assets<'_>, builder: &mut Builder) -> Result<Arc<Mesh>, Diagnostic> {
     load(path, true, Kinds::Obj, assets, builder)
 }
@@ -45,6 +57,17 @@ pub fn load_obj(path: &str, assets: &mut Assets<'_>, builder: &mut Builder) -> R
 ///
 /// # Errors
 /// As [`load_obj`].
+///
+/// ```
+/// # use rtscript::{Builder, Limits, MemoryHost, import::{AssetCache, Assets, load_obj_shape}};
+/// let host = MemoryHost::new().with("card.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+/// let (limits, mut cache) = (Limits::default(), AssetCache::default());
+/// let mut assets = Assets::new(&host, &limits, &mut cache);
+/// let mesh = load_obj_shape("card.obj", &mut assets, &mut Builder::new()).map_err(rtscript::Error::from)?;
+/// // It takes the material of the moment.
+/// assert!(mesh.face_materials.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn load_obj_shape(
     path: &str,
     assets: &mut Assets<'_>,
@@ -65,6 +88,16 @@ pub fn load_obj_shape(
 /// # Errors
 /// As [`load_obj`]; where a file is binary, the message names the byte, and of a glTF file the way to what is wrong, as
 /// `meshes[3].primitives[0]`.
+///
+/// ```
+/// # use rtscript::{Builder, Limits, MemoryHost, import::{AssetCache, Assets, load_mesh}};
+/// let host = MemoryHost::new().with("card.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+/// let (limits, mut cache) = (Limits::default(), AssetCache::default());
+/// let mut assets = Assets::new(&host, &limits, &mut cache);
+/// let mut b = Builder::new();
+/// assert!(load_mesh("card.obj", &mut assets, &mut b).is_ok());
+/// assert!(load_mesh("card.doc", &mut assets, &mut b).is_err());
+/// ```
 pub fn load_mesh(
     path: &str,
     assets: &mut Assets<'_>,
@@ -77,6 +110,14 @@ pub fn load_mesh(
 ///
 /// # Errors
 /// As [`load_mesh`].
+///
+/// ```
+/// # use rtscript::{Builder, Limits, MemoryHost, import::{AssetCache, Assets, load_mesh_shape}};
+/// let host = MemoryHost::new().with("card.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+/// let (limits, mut cache) = (Limits::default(), AssetCache::default());
+/// let mut assets = Assets::new(&host, &limits, &mut cache);
+/// assert!(load_mesh_shape("card.obj", &mut assets, &mut Builder::new()).is_ok());
+/// ```
 pub fn load_mesh_shape(
     path: &str,
     assets: &mut Assets<'_>,
@@ -101,6 +142,16 @@ pub struct Polygons {
 ///
 /// # Errors
 /// As [`load_obj`].
+///
+/// ```
+/// # use rtscript::{Limits, MemoryHost, import::{AssetCache, Assets, Polygons, load_polygons}};
+/// let host = MemoryHost::new().with("card.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+/// let (limits, mut cache) = (Limits::default(), AssetCache::default());
+/// let mut assets = Assets::new(&host, &limits, &mut cache);
+/// let Polygons { faces, .. } = load_polygons("card.obj", &mut assets).map_err(rtscript::Error::from)?;
+/// assert_eq!(faces, [[0, 1, 2, 3]]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn load_polygons(path: &str, assets: &mut Assets<'_>) -> Result<Polygons, Diagnostic> {
     let bytes = assets.read(path)?;
     let text = wavefront::text(path, &bytes)?;

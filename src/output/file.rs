@@ -43,6 +43,15 @@ pub(crate) fn remove_unfinished() {
 ///
 /// # Errors
 /// `Output`, naming the path and the system's reason.
+///
+/// ```
+/// use rtscript::output::write_atomically;
+/// let path = std::env::temp_dir().join(format!("rtscript-list-{}.txt", std::process::id()));
+/// write_atomically(&path, b"all of it or nothing")?;
+/// assert_eq!(std::fs::read(&path)?, b"all of it or nothing");
+/// # std::fs::remove_file(&path)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), HostError> {
     write_with(path, |file| file.write_all(bytes), Temporary::replace)
 }
@@ -103,6 +112,12 @@ fn write_with(
 ///
 /// # Errors
 /// `Output`, naming the path and what stands in the way.
+///
+/// ```
+/// use rtscript::output::check_writable;
+/// assert!(check_writable("list.txt".as_ref(), &[]).is_ok());
+/// assert!(check_writable("no/such/folder/list.txt".as_ref(), &[]).is_err());
+/// ```
 pub fn check_writable(path: &Path, inputs: &[PathBuf]) -> Result<(), HostError> {
     let folder = folder_of(path);
     match fs::metadata(&folder) {

@@ -12,6 +12,14 @@ use crate::{
 };
 
 /// A picture in scene-linear light, rows from the top, with the way it becomes 8 bits.
+///
+/// ```
+/// use rtscript::{Image, scene::Encoding};
+/// // Light, row by row from the top, and how its bytes are to be made.
+/// let image = Image::new(2, 1, Encoding::Srgb, vec![[1.0, 0.0, 0.0], [0.0; 3]]);
+/// assert_eq!(image.rgb8(), [255, 0, 0, 0, 0, 0]);
+/// assert_eq!(image.hash().len(), 32);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
     width: u32,
@@ -23,6 +31,14 @@ pub struct Image {
 }
 
 /// How a picture is written to a file, where that is left to choose.
+///
+/// ```
+/// use rtscript::render::FileOptions;
+/// let mut deep = FileOptions::default();
+/// deep.bits = Some(16);
+/// assert!(deep.check("a.png").is_ok());
+/// assert!(deep.check("a.jpg").is_err());
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FileOptions {
     /// Bits of a channel: 8 or 16 of PNG and PPM, 16 or 32 of EXR; `None` is 8 and 32.
@@ -176,6 +192,12 @@ impl Image {
 }
 
 /// One channel of linear light to 8 bits. NaN becomes 0.
+///
+/// ```
+/// use rtscript::{render::quantize, scene::Encoding};
+/// assert_eq!(quantize(1.7, Encoding::Raw), 255);
+/// assert!(quantize(0.5, Encoding::Srgb) > quantize(0.5, Encoding::Raw));
+/// ```
 #[must_use]
 pub fn quantize(v: f64, encoding: Encoding) -> u8 {
     let v = if v > 0.0 { v.min(1.0) } else { 0.0 };

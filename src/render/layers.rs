@@ -65,6 +65,19 @@ impl LayerKind {
 }
 
 /// A layer of a picture.
+///
+/// ```
+/// use rtscript::{Builder, NoHost, RenderOptions, render, render::{Layer, LayerKind}};
+/// let mut b = Builder::new();
+/// b.size(4, 3)?;
+/// let mut options = RenderOptions::default();
+/// options.layers = vec![LayerKind::Normal];
+/// let image = render(&b.finish().value, &options, &NoHost)?.value.image;
+/// let normals: &Layer = &image.layers()[0];
+/// assert_eq!(normals.values.len(), 4 * 3 * normals.kind.channels().len());
+/// assert_eq!(normals.picture(4, 3).width(), 4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
     /// What it holds.

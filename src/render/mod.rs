@@ -48,6 +48,13 @@ use crate::{
 };
 
 /// How to render, never what: no option changes a pixel. A limit that is passed ends the render with an error.
+///
+/// ```
+/// use rtscript::{Limits, RenderOptions};
+/// let mut options = RenderOptions::default().within(&Limits::untrusted());
+/// options.threads = 2;
+/// assert!(options.rays.is_some() && options.render_time.is_some());
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct RenderOptions {
@@ -116,6 +123,24 @@ impl Spent {
 }
 
 /// How far a render is.
+///
+/// ```
+/// use rtscript::{Host, host::HostError, render::{Progress, Tile}};
+/// struct Window;
+/// impl Host for Window {
+///     fn read(&self, path: &str, _: u64) -> Result<Vec<u8>, HostError> {
+///         rtscript::NoHost.read(path, 0)
+///     }
+///     fn tile(&self, tile: &Tile<'_>) {
+///         println!("{} x {} pixels at {}, {}", tile.width, tile.height, tile.x, tile.y);
+///     }
+///     fn progress(&self, progress: &Progress) {
+///         println!("{} of {}", progress.done, progress.total);
+///     }
+/// }
+/// # rtscript::render(&rtscript::Builder::new().finish().value, &Default::default(), &Window)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
     /// Pixels finished.
@@ -174,6 +199,16 @@ impl RenderStats {
 }
 
 /// A picture and what it took.
+///
+/// ```
+/// use rtscript::{Builder, NoHost, RenderOptions, render, render::{RenderStats, Rendered}};
+/// let mut b = Builder::new();
+/// b.size(8, 6)?;
+/// let Rendered { image, stats, .. } = render(&b.finish().value, &RenderOptions::default(), &NoHost)?.value;
+/// let stats: RenderStats = stats;
+/// assert_eq!((image.width(), stats.rays()), (8, 48));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Rendered {
     /// The picture.

@@ -9,6 +9,12 @@ use super::{
 use crate::{color::Color, math::Ray};
 
 /// Where a ray comes from.
+///
+/// ```
+/// use rtscript::render::RayKind;
+/// // What a pixel starts with.
+/// assert_ne!(RayKind::Camera, RayKind::Reflected);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RayKind {
     /// The camera.

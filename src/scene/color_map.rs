@@ -62,6 +62,15 @@ impl Interpolation {
 }
 
 /// Colors or textures at places from 0 to 1.
+///
+/// ```
+/// use rtscript::{DVec3, scene::{ColorMap, Interpolation, Paint}};
+/// let [black, red, white] = [DVec3::ZERO, DVec3::X, DVec3::ONE].map(Paint::color);
+/// let fire = ColorMap::new(vec![(0.0, black.clone()), (0.7, red), (1.0, white.clone())], Interpolation::Oklab)?;
+/// assert_eq!(fire.entries().len(), 3);
+/// assert_eq!(ColorMap::even(vec![black, white], Interpolation::Linear)?.interpolation(), Interpolation::Linear);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColorMap {
     /// Places in ascending order, each with what is there. Before the first counts the first, after the last the last.

@@ -11,6 +11,17 @@ use crate::{
 };
 
 /// Two textures and a mask; see [`Texture::mix`](super::Texture::mix).
+///
+/// ```
+/// use rtscript::{DVec3, scene::{MixTexture, Paint, Pattern, PatternKind, Texture}};
+/// let rust = Paint::color(DVec3::new(0.5, 0.2, 0.1));
+/// let steel = Paint::color(DVec3::splat(0.6));
+/// let where_it_rusts = Paint::texture(Texture::pattern(Pattern::new(PatternKind::Granite))?.into());
+/// let Texture::Mix(mix) = Texture::mix(steel, rust, where_it_rusts)? else { panic!("a mix") };
+/// let mix: &MixTexture = &mix;
+/// assert_eq!(mix.paints()[0].color, DVec3::splat(0.6));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct MixTexture {
     a: Paint,
@@ -48,6 +59,15 @@ impl MixTexture {
 }
 
 /// A texture that lies elsewhere; see [`Texture::placed`](super::Texture::placed).
+///
+/// ```
+/// use rtscript::{DVec3, scene::{Paint, PlacedTexture, Placement, Texture}};
+/// let gray = Paint::color(DVec3::splat(0.5));
+/// let Texture::Placed(placed) = Texture::placed(gray.clone(), Placement::default())? else { panic!("placed") };
+/// let placed: &PlacedTexture = &placed;
+/// assert_eq!(placed.paint(), &gray);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacedTexture {
     paint: Paint,

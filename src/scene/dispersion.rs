@@ -11,6 +11,13 @@ const SEEN_SQUARED: [f64; 2] = [0.16, 0.49];
 
 /// How the index of refraction depends on the wavelength. All but [`Dispersion::Abbe`] have an index of their own at the d line;
 /// where the material's differs from that, it is this much greater or less at every wavelength.
+///
+/// ```
+/// use rtscript::scene::Dispersion;
+/// // Cauchy's formula, wavelengths in micrometers: blue is bent more than red.
+/// let flint = Dispersion::Cauchy { a: 1.6, b: 0.01, c: 0.0 };
+/// assert!(flint.index(0.45) > flint.index(0.65));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Dispersion {
     /// Abbe number (n_d - 1) / (n_F - n_C), at least 1, a [number](Term::number): the smaller, the more colors are bent apart. The

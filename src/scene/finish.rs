@@ -92,6 +92,32 @@ pub struct NormalMap {
 /// directions that a rough surface scatters to, so that samples(n) decides about the noise.
 ///
 /// Every term may have a texture. What it gives beyond the range of its term counts as the nearest that is within.
+///
+/// ```
+/// use rtscript::{Builder, DVec3, Term};
+/// use rtscript::scene::{Absorption, Bump, ClearCoat, Conductor, Dispersion, Finish, NormalMap};
+/// let number = |v| Term::color(DVec3::splat(v));
+/// let glass = Finish {
+///     fresnel: true,
+///     absorption: Some(Absorption { color: Term::color(DVec3::new(0.4, 0.9, 0.6)), distance: number(1.0) }),
+///     dispersion: Some(Dispersion::Abbe(number(40.0))),
+///     ..Finish::default()
+/// };
+/// let varnish = Finish {
+///     clear_coat: Some(ClearCoat { strength: number(1.0), roughness: number(0.1) }),
+///     ..Finish::default()
+/// };
+/// let (name, metal): &(&str, Conductor) = &Conductor::METALS[0];
+/// let rough_metal = Finish { conductor: Some(metal.clone()), roughness: Some(number(0.3)), ..Finish::default() };
+/// for finish in [glass, varnish, rough_metal] {
+///     finish.check()?;
+/// }
+/// // Relief comes from textures: one of heights, or one of normals.
+/// let (no_bump, no_map): (Option<Bump>, Option<NormalMap>) = (None, None);
+/// assert_eq!((Finish::default().bump, Finish::default().normal_map), (no_bump, no_map));
+/// # assert!(!name.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Finish {
     /// Mirror and transparency share the light by Fresnel's equations for `ior`. Where neither Kr nor Ks is given, Kr is white.

@@ -128,6 +128,19 @@ impl LightKind {
 }
 
 /// A light.
+///
+/// ```
+/// use rtscript::{Builder, DVec3, scene::{Attenuation, LightKind}};
+/// let mut b = Builder::new();
+/// // Half as bright at a distance of 1.
+/// b.attenuation(Attenuation { constant: 1.0, linear: 0.0, quadratic: 1.0 })?;
+/// b.point(DVec3::Y, DVec3::ONE)?;
+/// let scene = b.finish().value;
+/// let light = &scene.root().lights[0];
+/// assert!(matches!(&light.kind, LightKind::Point { attenuation, .. } if attenuation.at(1.0) == 0.5));
+/// assert_eq!(light.kind.center(), Some(DVec3::Y));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
     /// Its kind and place.

@@ -134,6 +134,20 @@ impl Default for Laying {
 }
 
 /// A picture laid on a shape in a way of its own.
+///
+/// ```
+/// use rtscript::scene::{ImageTexture, Laying, MappedImage, Mapping, Texels, Texture, TextureFilter, Wrap};
+/// let red = ImageTexture { name: "red".to_owned(), width: 1, height: 1, texels: Texels::Srgb8(vec![[255, 0, 0]]) };
+/// let around = Laying {
+///     mapping: Mapping::Spherical,
+///     filter: TextureFilter::Mip,
+///     wrap: Wrap::Mirror,
+///     ..Laying::default()
+/// };
+/// let label = MappedImage::new(Texture::Image(red).into(), around)?;
+/// assert_eq!(label.laying().mapping, Mapping::Spherical);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct MappedImage {
     image: Arc<Texture>,

@@ -28,6 +28,18 @@ impl<T: Copy> Attribute<T> {
 }
 
 /// A triangle mesh in its object space.
+///
+/// ```
+/// use rtscript::{Builder, DVec3, math::DVec2, scene::{Attribute, Mesh}};
+/// let corners = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
+/// let mut mesh = Mesh::new("card", corners, vec![[0, 1, 2]])?;
+/// mesh.uvs = Some(Attribute { values: vec![DVec2::ZERO, DVec2::X, DVec2::Y], indices: vec![[0, 1, 2]] });
+/// assert_eq!(mesh.corners(0), [DVec3::ZERO, DVec3::X, DVec3::Y]);
+/// assert_eq!(mesh.bounds().size(), DVec3::new(1.0, 1.0, 0.0));
+/// let mut b = Builder::new();
+/// b.mesh(&mesh.into())?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
     /// Where it came from, for people.

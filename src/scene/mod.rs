@@ -177,6 +177,16 @@ pub struct Object {
 }
 
 /// A single triangle with its corners and, where it is smooth, its vertex normals, in object space.
+///
+/// ```
+/// use rtscript::{Builder, DVec3, scene::Triangle};
+/// let mut b = Builder::new();
+/// b.triangle([DVec3::ZERO, DVec3::X, DVec3::Y], None)?;
+/// let scene = b.finish().value;
+/// let [Triangle { positions, normals }] = &scene.triangles[..] else { panic!("one triangle") };
+/// assert!(positions[1] == DVec3::X && normals.is_none());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Triangle {
     /// Corners; counter-clockwise is the front.
@@ -212,6 +222,21 @@ impl Group {
 }
 
 /// A complete picture description.
+///
+/// ```
+/// use rtscript::{Builder, DVec3, scene::{Geometry, Group, Object}};
+/// let mut b = Builder::new();
+/// b.translate(DVec3::X)?;
+/// b.sphere(DVec3::ZERO, 1.0)?;
+/// let scene = b.finish().value;
+/// let root: &Group = scene.root();
+/// let ball: &Object = &root.objects[0];
+/// assert!(matches!(ball.geometry, Geometry::Shape(_)));
+/// assert_eq!(scene.world_from_object(ball).translation, DVec3::X);
+/// assert_eq!(scene.holds()[0], ("objects", 1));
+/// println!("{}", scene.dump());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// Edition, size, samples, depth, background, encoding, seed.

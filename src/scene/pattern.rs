@@ -115,6 +115,19 @@ impl Wave {
 }
 
 /// A pattern with all that may be said of it; [`Texture::pattern`](super::Texture::pattern) makes a texture of it.
+///
+/// ```
+/// use std::sync::Arc;
+/// use rtscript::{Builder, DVec3, Term, scene::{Pattern, PatternKind, Texture, Wave}};
+/// let mut rings = Pattern::new(PatternKind::Onion);
+/// rings.frequency = 4.0;
+/// rings.wave = Wave::Triangle;
+/// assert!((0.0..=1.0).contains(&rings.value(DVec3::new(0.1, 0.2, 0.3))));
+/// let mut b = Builder::new();
+/// let id = b.texture(&Arc::new(Texture::pattern(rings)?));
+/// b.material_mut().diffuse = Term::texture(id);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pattern {
     /// What it looks like.
@@ -362,6 +375,14 @@ fn hexagon(p: DVec3) -> f64 {
 }
 
 /// A pattern that was checked, ready to be looked up.
+///
+/// ```
+/// use rtscript::scene::{Pattern, PatternKind, PatternTexture, Texture};
+/// let Texture::Pattern(texture) = Texture::pattern(Pattern::new(PatternKind::Wood))? else { panic!("a pattern") };
+/// let texture: &PatternTexture = &texture;
+/// assert_eq!(texture.pattern().kind, PatternKind::Wood);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct PatternTexture {
     pattern: Pattern,

@@ -7,6 +7,15 @@ use crate::{
 };
 
 /// Where a texture lies in the space of its shape, and how it is stirred: it is scaled first, then turned, then moved.
+///
+/// ```
+/// use rtscript::{DVec3, scene::{Paint, Pattern, PatternKind, Placement, Texture}};
+/// let bricks = Texture::pattern(Pattern::new(PatternKind::Brick))?;
+/// let small = Placement { scale: DVec3::splat(0.2), ..Placement::default() };
+/// let Texture::Placed(placed) = Texture::placed(Paint::texture(bricks.into()), small)? else { panic!("placed") };
+/// assert_eq!(placed.placement().scale, DVec3::splat(0.2));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
     /// How much larger it is along its own axes; no component is 0. Default 1, 1, 1.

@@ -7,6 +7,15 @@ use crate::{
 };
 
 /// Copies of a picture, each half as wide and half as high as the one before, down to a single texel.
+///
+/// ```
+/// use rtscript::{DVec3, math::DVec2, scene::{ImageTexture, Pyramid, Texels, Wrap}};
+/// let two = ImageTexture { name: "two".to_owned(), width: 2, height: 1, texels: Texels::Linear(vec![[1.0; 3], [0.0; 3]]) };
+/// let copies = Pyramid::new(&two);
+/// // As wide as the whole picture: its mean.
+/// let mean = copies.color(&two, Wrap::Repeat, DVec2::new(0.3, 0.5), 1.0);
+/// assert!((mean - DVec3::splat(0.5)).length() < 1e-6);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pyramid {
     /// From half the picture's size on.

@@ -10,6 +10,19 @@ use crate::{
 };
 
 /// What a scene has one of and most have none of.
+///
+/// ```
+/// use rtscript::{Builder, DVec3, scene::{Environment, Fog, Haze, Occlusion, Sky, Surroundings}};
+/// let mut b = Builder::new();
+/// let day = Sky::Daylight { sun: DVec3::ONE, turbidity: 3.0, ground: DVec3::splat(0.3) };
+/// b.environment(Some(Environment::new(day, DVec3::ONE, 0.0, 16)?))?;
+/// b.fog(Some(Fog::new(DVec3::splat(0.7), 50.0, 0.0, Some(2.0))?));
+/// b.ambient_occlusion(Some(Occlusion::new(1.0, 8)?));
+/// b.haze(Some(Haze::new(0.01, DVec3::splat(0.9), 0.5, 4)?));
+/// let around: &Surroundings = &b.settings().surroundings;
+/// assert!(around.fog.is_some() && around.haze.is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surroundings {
     /// Seen by rays that leave the scene in place of the background, and shines.

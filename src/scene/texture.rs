@@ -13,6 +13,13 @@ use crate::{
 };
 
 /// A color for each point of a surface.
+///
+/// ```
+/// use rtscript::{DVec3, math::DVec2, scene::Texture};
+/// let floor = Texture::Checker { even: DVec3::ONE, odd: DVec3::ZERO, size: 1.0 };
+/// let at = |x| floor.color(DVec2::ZERO, DVec3::new(x, 0.5, 0.5));
+/// assert!(at(0.5) != at(1.5) && at(0.5) == at(2.5));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Texture {
     /// A picture over uv in [0, 1]^2, repeated outside, u to the right and v up, bilinear.
@@ -39,6 +46,21 @@ pub enum Texture {
 }
 
 /// A point of a surface, as textures see it.
+///
+/// ```
+/// use rtscript::{DVec3, math::DVec2, scene::{Footprint, Texture, TexturePoint}};
+/// let floor = Texture::Checker { even: DVec3::ONE, odd: DVec3::ZERO, size: 1.0 };
+/// // Seen from so near that it has no width: no Footprint either.
+/// let nothing: Option<Footprint> = None;
+/// let point = TexturePoint {
+///     uv: DVec2::ZERO,
+///     position: DVec3::splat(0.5),
+///     normal: DVec3::Y,
+///     width: [0.0; 2],
+///     footprint: nothing,
+/// };
+/// assert_eq!(floor.lookup(&point), floor.color(point.uv, point.position));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TexturePoint {
     /// Texture coordinates.
@@ -73,6 +95,13 @@ pub enum Texels {
 }
 
 /// A picture used as a texture.
+///
+/// ```
+/// use rtscript::{DVec3, math::DVec2, scene::{ImageTexture, Texels}};
+/// let two = ImageTexture { name: "two".to_owned(), width: 2, height: 1, texels: Texels::Srgb8(vec![[255, 0, 0], [0, 0, 255]]) };
+/// assert_eq!((two.texel(0, 0), two.texel(1, 0)), (DVec3::X, DVec3::Z));
+/// assert!((two.bilinear(DVec2::new(0.5, 0.5)) - DVec3::new(0.5, 0.0, 0.5)).length() < 1e-9);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageTexture {
     /// Where it came from, for people.

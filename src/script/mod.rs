@@ -79,6 +79,18 @@ fn stack_bytes(limits: &Limits) -> usize {
 const HAS_THREADS: bool = !cfg!(target_family = "wasm");
 
 /// A script that has been read and can be run any number of times.
+///
+/// ```
+/// use rtscript::{DVec3, Limits, NoHost, RunOptions, Script};
+/// let script = Script::compile("a.rhai", r#"sphere(0, 0, 0, param("radius", 1.0));"#, &Limits::default())?;
+/// for radius in ["0.5", "2"] {
+///     let mut options = RunOptions::default();
+///     options.parameters.insert("radius".to_owned(), radius.to_owned());
+///     assert_eq!(script.run(&NoHost, &options)?.value.scene.root().objects.len(), 1);
+/// }
+/// # let _ = DVec3::ZERO;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Script {
     source: Source,

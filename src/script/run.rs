@@ -10,6 +10,16 @@ use crate::{
 };
 
 /// What the caller decides instead of the script. Where it is `None`, the script's own calls count.
+///
+/// ```
+/// use rtscript::{Limits, NoHost, RunOptions, Script};
+/// let script = Script::compile("a.rhai", "size(640, 480); sphere(0, 0, 0, 1);", &Limits::default())?;
+/// let mut options = RunOptions::default();
+/// options.size = Some((64, 48));
+/// let settings = script.run(&NoHost, &options)?.value.scene.settings;
+/// assert_eq!((settings.width, settings.height), (64, 48));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct RunOptions {
@@ -51,6 +61,25 @@ impl From<&Parameters> for RunOptions {
 }
 
 /// What a script leaves behind.
+///
+/// ```
+/// use rtscript::{Host, Image, Limits, RunOptions, Script, host::HostError, script::{Picture, Run}};
+/// struct Album;
+/// impl Host for Album {
+///     fn read(&self, path: &str, _: u64) -> Result<Vec<u8>, HostError> {
+///         rtscript::NoHost.read(path, 0)
+///     }
+///     fn write_image(&self, _: &str, _: &Image) -> Result<(), HostError> {
+///         Ok(())
+///     }
+/// }
+/// let text = r#"size(4, 3); render("first.png"); sphere(0, 0, 0, 1);"#;
+/// let run: Run = Script::compile("a.rhai", text, &Limits::default())?.run(&Album, &RunOptions::default())?.value;
+/// let first: &Picture = &run.pictures[0];
+/// assert_eq!(first.name.as_deref(), Some("first.png"));
+/// assert_eq!(run.scene.root().objects.len(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Run {
@@ -100,6 +129,18 @@ impl Run {
 }
 
 /// A place in a script from which something was called.
+///
+/// ```
+/// use rtscript::{Limits, NoHost, RunOptions, Script, scene::GroupId, script::CallSite};
+/// let text = "fn ball() {\n    sphere(0, 0, 0, 1);\n}\nball();\n";
+/// let script = Script::compile("a.rhai", text, &Limits::default())?;
+/// let options = RunOptions::default();
+/// let scene = script.run(&NoHost, &options)?.value.scene;
+/// // How the first object of the root came to be.
+/// let calls: Vec<CallSite> = script.call_stack(&NoHost, &options, &scene, (GroupId(0), 0))?;
+/// assert!(calls.iter().any(|call| call.line == 4));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct CallSite {

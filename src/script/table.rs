@@ -70,6 +70,14 @@ pub(super) enum Run {
 }
 
 /// One function of the language.
+///
+/// ```
+/// use rtscript::script::{Entry, Group, Kind, Param, entry};
+/// let sphere: &Entry = entry("sphere").expect("it is there");
+/// assert_eq!(sphere.group, Group::Shapes);
+/// let radius: &Param = sphere.forms.iter().copied().flatten().find(|p| p.name == "r" || p.name == "radius").expect("a radius");
+/// assert_eq!(radius.kind, Kind::Number);
+/// ```
 #[derive(Clone, Copy)]
 pub struct Entry {
     /// What a script writes.
@@ -218,11 +226,23 @@ impl std::fmt::Debug for Entry {
 }
 
 /// Every function of the language, in the order of the reference.
+///
+/// ```
+/// use rtscript::script::entries;
+/// assert!(entries().count() > 100);
+/// assert!(entries().all(|entry| !entry.doc.is_empty()));
+/// ```
 pub fn entries() -> impl Iterator<Item = &'static Entry> {
     api::ALL.iter().flat_map(|list| list.iter())
 }
 
 /// The entry called `name`.
+///
+/// ```
+/// use rtscript::script::entry;
+/// assert!(entry("sphere").is_some_and(|e| e.signature().contains("center")));
+/// assert!(entry("spere").is_none());
+/// ```
 #[must_use]
 pub fn entry(name: &str) -> Option<&'static Entry> {
     static BY_NAME: LazyLock<std::collections::BTreeMap<&'static str, &'static Entry>> =

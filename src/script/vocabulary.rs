@@ -4,6 +4,13 @@
 use super::table::Kind;
 
 /// A property of a value: `value.name`.
+///
+/// ```
+/// use rtscript::script::{CONSTANTS, Constant, PROPERTIES, Property};
+/// let names: Vec<&str> = PROPERTIES.iter().map(|property: &Property| property.name).collect();
+/// assert!(names.contains(&"x"));
+/// assert!(CONSTANTS.iter().any(|constant: &Constant| constant.name == "PI"));
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Property {
     /// The type that has it.

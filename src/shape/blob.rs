@@ -20,6 +20,16 @@ use crate::{
 /// threshold. Normals outwards.
 ///
 /// uv: as on a sphere around the middle of the bounds.
+///
+/// ```
+/// use rtscript::{DVec3, shape::{Blob, BlobPart}};
+/// let parts = vec![
+///     BlobPart::ball(DVec3::NEG_X * 0.5, 1.0, 1.0),
+///     BlobPart::rod(DVec3::ZERO, DVec3::X, 0.8, 1.0),
+/// ];
+/// assert_eq!(Blob::new(0.3, parts)?.parts().len(), 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, PartialEq)]
 pub struct Blob {
     threshold: f64,

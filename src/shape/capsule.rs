@@ -17,6 +17,13 @@ use crate::{
 ///
 /// uv: u once around Y as on the sphere; v along the outline from the lower tip (0) to the upper one (1), by its
 /// length.
+///
+/// ```
+/// use rtscript::shape::{Capsule, Shape};
+/// let pill = Shape::Capsule(Capsule::new(0.5, 2.0)?);
+/// assert!(pill.is_solid());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Capsule {
     radius: f64,

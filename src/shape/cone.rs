@@ -19,6 +19,13 @@ use crate::{
 /// uv: on the side, u once around Y as on the sphere, from -Z over -X to +Z at 0.5 and on over +X, and v from
 /// the base (0) to the apex (1); the base shows the disk cut out of the picture, unmirrored from below, +X to
 /// the right.
+///
+/// ```
+/// use rtscript::shape::{Cone, Shape};
+/// let hat = Shape::Cone(Cone::new(0.5, 2.0)?);
+/// assert_eq!(hat.bounds().map(|b| b.size().to_array()), Some([1.0, 2.0, 1.0]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone {
     radius: f64,

@@ -11,6 +11,15 @@ pub struct Crossing {
 }
 
 /// Crossings of one line with one shape, in ascending order of `t`.
+///
+/// ```
+/// use rtscript::shape::{Crossing, CrossingSink, Crossings};
+/// let mut crossings = Crossings::default();
+/// crossings.push(2.0, 0);
+/// crossings.push(4.0, 1);
+/// let first: Option<Crossing> = crossings.first_within(3.0, 10.0);
+/// assert_eq!(first.map(|c| (c.t, c.part)), Some((4.0, 1)));
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Crossings {
     items: [Crossing; Self::CAPACITY],

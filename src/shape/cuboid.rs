@@ -13,6 +13,15 @@ use crate::{
 ///
 /// uv: each face shows the whole picture, upright and unmirrored to one who looks at it from outside with Y
 /// up; on top and bottom, +X is to the right.
+///
+/// ```
+/// use rtscript::{DVec3, shape::{Cuboid, Shape}};
+/// let plank = Cuboid::new(DVec3::new(4.0, 0.1, 1.0))?;
+/// assert_eq!(plank.size(), DVec3::new(4.0, 0.1, 1.0));
+/// let bounds = Shape::Cuboid(plank).bounds().map(|b| b.size());
+/// assert_eq!(bounds, Some(DVec3::new(4.0, 0.1, 1.0)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
     half: DVec3,

@@ -19,6 +19,13 @@ use crate::{
 /// uv: on the side, u once around Y as on the sphere, from -Z over -X to +Z at 0.5 and on over +X, and v from
 /// the lower rim (0) to the upper (1); each cap shows the disk cut out of the picture, unmirrored from
 /// outside, +X to the right.
+///
+/// ```
+/// use rtscript::shape::{Cylinder, Shape};
+/// let can = Shape::Cylinder(Cylinder::new(0.5, 2.0)?);
+/// assert_eq!(can.bounds().map(|b| b.size().to_array()), Some([1.0, 2.0, 1.0]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder {
     radius: f64,

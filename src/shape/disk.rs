@@ -11,6 +11,13 @@ use crate::{
 /// Parameter: radius in object units. Not solid. Front and normal +Y.
 ///
 /// uv: the disk cut out of the picture, unmirrored from above, +X to the right and -Z up.
+///
+/// ```
+/// use rtscript::shape::{Disk, Shape};
+/// let lid = Shape::Disk(Disk::new(0.5)?);
+/// assert!(!lid.is_solid());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disk {
     radius: f64,

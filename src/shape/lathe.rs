@@ -22,6 +22,14 @@ use crate::{
 ///
 /// uv: u once around Y as on the sphere; v along the profile from its first point (0) to its last (1), every piece
 /// between points taking the same part.
+///
+/// ```
+/// use rtscript::{shape::Lathe, spline::Spline};
+/// // From the bottom of a bowl to its rim.
+/// let profile = vec![[0.0, 0.0], [0.8, 0.2], [1.0, 0.7]];
+/// assert_eq!(Lathe::new(profile.clone(), Spline::CatmullRom, false)?.points(), profile);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, PartialEq)]
 pub struct Lathe {
     points: Vec<[f64; 2]>,

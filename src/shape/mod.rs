@@ -95,6 +95,20 @@ macro_rules! shapes {
         /// solid. Directions are of any length and `t` counts multiples of them, so nothing may be compared
         /// with an absolute epsilon. A ray with a number that is not finite, or without direction, crosses
         /// nothing.
+        ///
+        /// ```
+        /// use rtscript::{DVec3, math::Ray, shape::{Crossings, Shape, Sphere}};
+        /// let ball = Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)?);
+        /// let ray = Ray { origin: DVec3::new(0.0, 0.0, 5.0), dir: DVec3::NEG_Z };
+        /// let mut crossings = Crossings::default();
+        /// ball.crossings(&ray, &mut crossings);
+        /// // In at the front, out at the back.
+        /// let [enter, leave] = crossings.as_slice() else { panic!("two crossings") };
+        /// assert_eq!((enter.t, leave.t), (4.0, 6.0));
+        /// assert_eq!(ball.surface(ray.at(enter.t), enter.part).normal.normalize(), DVec3::Z);
+        /// assert!(ball.is_solid() && ball.name() == "sphere" && ball.bounds().is_some());
+        /// # Ok::<(), Box<dyn std::error::Error>>(())
+        /// ```
         #[derive(Clone, Debug, PartialEq)]
         pub enum Shape {
             $($(#[$doc])* $name($inner),)*

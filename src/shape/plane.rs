@@ -9,6 +9,12 @@ use crate::math::{Bounds3, DVec2, DVec3, Ray};
 ///
 /// uv: (x, -z), one repetition of the picture per object unit, unmirrored from above with +X to the right and
 /// -Z up, as on a disk or a box's top.
+///
+/// ```
+/// use rtscript::shape::{Plane, Shape};
+/// // It has no end, so no box holds it.
+/// assert!(Shape::Plane(Plane).bounds().is_none());
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Plane;
 

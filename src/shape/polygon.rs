@@ -20,6 +20,15 @@ use crate::{
 ///
 /// uv: the picture fills the rectangle around the polygon in its plane, v up as far as the plane rises, u to
 /// the right as seen from the front; in a level plane, u runs along +X.
+///
+/// ```
+/// use rtscript::{DVec3, shape::Polygon};
+/// let corners = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
+/// assert_eq!(Polygon::new(corners.clone())?.points(), corners);
+/// // Two corners make none.
+/// assert!(Polygon::new(corners[..2].to_vec()).is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, PartialEq)]
 pub struct Polygon {
     points: Vec<DVec3>,

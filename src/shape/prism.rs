@@ -23,6 +23,14 @@ use crate::{
 ///
 /// uv: on the walls u along each outline, every piece between points taking the same part, and v from the bottom to the
 /// top; on the ends the rectangle around all outlines, upright as on a cylinder's.
+///
+/// ```
+/// use rtscript::{shape::Prism, spline::Spline};
+/// let square = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+/// let hole = vec![[0.4, 0.4], [0.6, 0.4], [0.6, 0.6], [0.4, 0.6]];
+/// assert_eq!(Prism::new(vec![square, hole], Spline::Linear, 2.0)?.outlines().len(), 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, PartialEq)]
 pub struct Prism {
     outlines: Vec<Vec<[f64; 2]>>,

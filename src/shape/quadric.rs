@@ -18,6 +18,13 @@ use crate::{
 ///
 /// uv: on the surface, u once around the upright line through the middle, as on the sphere; v from the bottom to the top
 /// of the bounds, or without end with its middle at y = 0. On the faces as on a box.
+///
+/// ```
+/// use rtscript::{DVec3, math::Bounds3, shape::Quadric};
+/// // x^2 + z^2 - y^2 = 0: a double cone, cut off at y = -1 and 1.
+/// let coefficients = [1.0, -1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+/// assert!(Quadric::new(coefficients, Some(Bounds3::new(DVec3::NEG_ONE, DVec3::ONE))).is_ok());
+/// ```
 #[derive(Clone, PartialEq)]
 pub struct Quadric {
     coefficients: [f64; 10],

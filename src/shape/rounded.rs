@@ -12,6 +12,13 @@ use crate::{
 /// Normals outwards.
 ///
 /// uv: as on a box, every point of a rounded edge going to the face it is nearest to.
+///
+/// ```
+/// use rtscript::{DVec3, shape::RoundedBox};
+/// // Twice the radius must fit into each side.
+/// assert!(RoundedBox::new(DVec3::ONE, 0.2).is_ok());
+/// assert!(RoundedBox::new(DVec3::ONE, 0.7).is_err());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoundedBox {
     size: DVec3,

@@ -12,6 +12,12 @@ use crate::{
 ///
 /// uv: u runs once around Y from -Z over -X to +Z at 0.5 and on over +X, v from the south pole (0) to the
 /// north (1).
+///
+/// ```
+/// use rtscript::{DVec3, shape::Sphere};
+/// assert!(Sphere::new(DVec3::ZERO, 1.5).is_ok());
+/// assert!(Sphere::new(DVec3::ZERO, 0.0).is_err());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
     center: DVec3,

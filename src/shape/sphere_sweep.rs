@@ -19,6 +19,14 @@ use crate::{
 ///
 /// uv: u around the curve, without twist from its beginning on; v from the first point (0) to the last (1), every piece
 /// between points taking the same part.
+///
+/// ```
+/// use rtscript::{shape::SphereSweep, spline::Spline};
+/// // Each ball is x, y, z, radius.
+/// let worm = SphereSweep::new(vec![[0.0, 0.0, 0.0, 0.3], [1.0, 0.5, 0.0, 0.2], [2.0, 0.0, 0.0, 0.1]], Spline::CatmullRom)?;
+/// assert_eq!(worm.points().len(), 3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, PartialEq)]
 pub struct SphereSweep {
     points: Vec<[f64; 4]>,

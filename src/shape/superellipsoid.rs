@@ -19,6 +19,13 @@ use crate::{
 /// "Superquadrics and angle-preserving transformations", 1981; POV-Ray has z for our y). Solid. Normals outwards.
 ///
 /// uv: u once around Y as on the sphere, v by the latitude of the direction from the center.
+///
+/// ```
+/// use rtscript::shape::Superellipsoid;
+/// // A pillow.
+/// assert!(Superellipsoid::new(1.0, 0.2).is_ok());
+/// assert!(Superellipsoid::new(0.0, 1.0).is_err());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Superellipsoid {
     e: f64,

@@ -14,6 +14,13 @@ use crate::{
 ///
 /// uv: u once around Y as on the sphere, from -Z over -X to +Z at 0.5 and on over +X; v once around the tube,
 /// 0 at the innermost circle, 0.25 at the bottom, 0.5 at the outermost circle, 0.75 at the top.
+///
+/// ```
+/// use rtscript::shape::{Shape, Torus};
+/// let ring = Shape::Torus(Torus::new(2.0, 0.5)?);
+/// assert_eq!(ring.bounds().map(|b| b.size().to_array()), Some([5.0, 1.0, 5.0]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Torus {
     major: f64,

@@ -20,6 +20,13 @@
 use crate::math::{DVec3, Ray};
 
 /// What the test needs of a ray, made once per ray.
+///
+/// ```
+/// use rtscript::{DVec3, math::Ray, shape::triangle::{TriangleHit, TriangleRay}};
+/// let ray = TriangleRay::new(&Ray { origin: DVec3::new(0.2, 0.2, 1.0), dir: DVec3::NEG_Z });
+/// let hit: Option<TriangleHit> = ray.intersect([&DVec3::ZERO, &DVec3::X, &DVec3::Y]);
+/// assert!(hit.is_some_and(|hit| (hit.t - 1.0).abs() < 1e-12));
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct TriangleRay {
     /// The axes in cyclic order, last the one along which the direction is longest: it takes the place of z, its

@@ -20,6 +20,12 @@ const TESTS: usize = 1 << 26;
 /// faces and holes joined by bridges are right. Where there is no ear left to cut, because the polygon
 /// crosses itself or its numbers are not finite, the rest becomes a fan: something is drawn, and no point is
 /// lost. Fewer than 3 points give nothing.
+///
+/// ```
+/// use rtscript::{DVec3, shape::triangulate};
+/// let square = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y];
+/// assert_eq!(triangulate(&square).len(), 2);
+/// ```
 #[must_use]
 pub fn triangulate(points: &[DVec3]) -> Vec<[usize; 3]> {
     let n = points.len();

@@ -9,6 +9,16 @@ use crate::{
 };
 
 /// How many triangles a surface may become, and who is asked on the way whether to stop.
+///
+/// ```
+/// use rtscript::{DVec3, Limits, tessellate::{Allowance, Curve}};
+/// let limits = Limits::untrusted();
+/// let stop = || false;
+/// let allowance = Allowance::of(&limits).asking(&stop);
+/// let wire = Curve::new(vec![DVec3::ZERO, DVec3::X, DVec3::Y], 0.1).mesh(&allowance)?;
+/// assert!(!wire.triangles.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy)]
 pub struct Allowance<'a> {
     triangles: usize,

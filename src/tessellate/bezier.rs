@@ -10,6 +10,14 @@ use crate::{
 };
 
 /// Bicubic patches that may share sides: rows of four control points, u along a row, v from row to row.
+///
+/// ```
+/// use rtscript::{DVec3, Limits, tessellate::{Allowance, BezierPatches}};
+/// let flat = std::array::from_fn(|i| DVec3::new((i % 4) as f64, 0.0, (i / 4) as f64));
+/// let sheet = BezierPatches { patches: vec![flat], tolerance: None };
+/// assert!(!sheet.mesh(&Allowance::of(&Limits::default()))?.triangles.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct BezierPatches {
     /// Sixteen control points each.

@@ -29,6 +29,16 @@ pub enum CurveEnd {
 }
 
 /// A closed tube along a curve, its radius as smooth as the curve.
+///
+/// ```
+/// use rtscript::{DVec3, Limits, tessellate::{Allowance, Curve, CurveEnd, CurveKind}};
+/// let mut wire = Curve::new(vec![DVec3::ZERO, DVec3::X, DVec3::Y], 0.1);
+/// wire.kind = CurveKind::Linear;
+/// wire.ends = CurveEnd::Flat;
+/// let mesh = wire.mesh(&Allowance::of(&Limits::default()))?;
+/// assert!(mesh.bounds().size().x > 1.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
     /// Points of the curve.

@@ -7,6 +7,13 @@ use crate::{
 };
 
 /// Heights over a grid: a row of numbers after the other, the first row at the far side, z = -0.5.
+///
+/// ```
+/// use rtscript::tessellate::Heights;
+/// assert!(Heights::new(2, 2, vec![0.0; 4]).is_ok());
+/// // Four places, three heights.
+/// assert!(Heights::new(2, 2, vec![0.0; 3]).is_err());
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Heights {
     columns: usize,
@@ -86,6 +93,14 @@ impl Heights {
 }
 
 /// A height field over the unit square: x and z from -0.5 to 0.5, heights along y.
+///
+/// ```
+/// use rtscript::{Limits, tessellate::{Allowance, HeightField, Heights}};
+/// let hill = Heights::new(3, 3, vec![0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0])?;
+/// let mesh = HeightField::new(hill).mesh(&Allowance::of(&Limits::default()))?;
+/// assert_eq!(mesh.bounds().size().y, 1.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightField {
     /// The heights.

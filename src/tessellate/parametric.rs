@@ -10,6 +10,15 @@ use crate::{
 };
 
 /// How a parametric surface is made into triangles.
+///
+/// ```
+/// use rtscript::{DVec3, Limits, scene::SceneError, tessellate::{Allowance, Parametric}};
+/// let sheet = Parametric { u: [0.0, 1.0], v: [0.0, 1.0], ..Parametric::default() };
+/// let mut saddle = |u: f64, v: f64| Ok::<_, SceneError>(DVec3::new(u, u * v, v));
+/// let mesh = sheet.mesh(&mut saddle, &Allowance::of(&Limits::default()))?;
+/// assert!(mesh.triangles.len() > 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parametric {
     /// From where to where u goes. Default: 0 to 1.

@@ -21,6 +21,16 @@ pub enum Scheme {
 }
 
 /// A cage of polygons, to be divided into a smooth surface.
+///
+/// ```
+/// use rtscript::{DVec3, Limits, tessellate::{Allowance, Cage, Scheme}};
+/// let corners = vec![DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y];
+/// let mut cage = Cage::new(corners, vec![vec![0, 1, 2, 3]], 2);
+/// cage.scheme = Scheme::CatmullClark;
+/// // Each level makes four faces of one; a face is two triangles.
+/// assert_eq!(cage.mesh(&Allowance::of(&Limits::default()))?.triangles.len(), 2 * 4 * 4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cage {
     /// Corners.

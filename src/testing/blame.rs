@@ -35,6 +35,17 @@ pub struct LineShare {
 ///
 /// # Errors
 /// `Limit` where a scene is too large to be rendered.
+///
+/// ```
+/// use rtscript::{Limits, NoHost, RunOptions, testing::{LineShare, changed_lines, changed_pixels, render_text}};
+/// let of = |text| render_text("a.rhai", text, &NoHost, &Limits::default(), &RunOptions::default());
+/// let before = of("size(8, 8); ambient(1, 1, 1);\nsphere(0, 0, 0, 1);\n")?;
+/// let after = of("size(8, 8); ambient(1, 1, 1);\nsphere(0, 0, 0, 2);\n")?;
+/// let pixels = changed_pixels(&before.image, &after.image);
+/// let lines: Vec<LineShare> = changed_lines(&after, Some(&before), &pixels)?;
+/// assert!(lines.iter().any(|share| share.line == 2));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn changed_lines(
     now: &RenderedFile,
     before: Option<&RenderedFile>,

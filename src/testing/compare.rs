@@ -8,6 +8,13 @@ use crate::{math, render::Image, scene::Encoding};
 const GAP: usize = 4;
 
 /// How two pictures differ in 8 bits. Where one has pixels that the other has not, they differ by 255.
+///
+/// ```
+/// use rtscript::testing::{Comparison, compare, from_rgb8};
+/// let [black, gray] = [0, 8].map(|v| from_rgb8(1, 1, &[v; 3]));
+/// let Comparison { differing, max, .. } = compare(&black, &gray);
+/// assert_eq!((differing, max), (1, 8));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comparison {
     /// Pixels of the smallest picture that covers both.
@@ -47,6 +54,12 @@ pub fn compare(expected: &Image, actual: &Image) -> Comparison {
 }
 
 /// A rectangle of pixels.
+///
+/// ```
+/// use rtscript::testing::Region;
+/// let region = Region::around(&[(3, 4), (5, 4)]).expect("two pixels");
+/// assert_eq!((region.left, region.top, region.width, region.height), (3, 4, 3, 1));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Region {
     /// Its first column.
@@ -89,6 +102,12 @@ impl fmt::Display for Region {
 }
 
 /// Columns and rows of the pixels that differ in 8 bits, row by row from the top.
+///
+/// ```
+/// use rtscript::testing::{changed_pixels, from_rgb8};
+/// let [before, after] = [[0, 0, 0, 9, 9, 9], [0, 0, 0, 9, 9, 8]].map(|bytes| from_rgb8(2, 1, &bytes));
+/// assert_eq!(changed_pixels(&before, &after), [(1, 0)]);
+/// ```
 #[must_use]
 pub fn changed_pixels(expected: &Image, actual: &Image) -> Vec<(u32, u32)> {
     let (expected, actual) = (Bytes::new(expected), Bytes::new(actual));
@@ -101,6 +120,12 @@ pub fn changed_pixels(expected: &Image, actual: &Image) -> Vec<(u32, u32)> {
 }
 
 /// Expected, difference and actual side by side. The difference is brightened until its largest is white.
+///
+/// ```
+/// use rtscript::testing::{diff_picture, from_rgb8};
+/// let [black, white] = [0, 255].map(|v| from_rgb8(1, 1, &[v; 3]));
+/// assert!(diff_picture(&black, &white).width() >= 1);
+/// ```
 #[must_use]
 pub fn diff_picture(expected: &Image, actual: &Image) -> Image {
     let max = u32::from(compare(expected, actual).max.max(1));
@@ -170,6 +195,11 @@ impl Bytes {
 
 /// A picture that has exactly these 8-bit values. Its linear values are the middles of the steps of the `raw`
 /// encoding, so they are for comparing, not for light.
+///
+/// ```
+/// use rtscript::testing::from_rgb8;
+/// assert_eq!(from_rgb8(1, 1, &[1, 2, 3]).rgb8(), [1, 2, 3]);
+/// ```
 #[must_use]
 pub fn from_rgb8(width: u32, height: u32, bytes: &[u8]) -> Image {
     let pixels = bytes.as_chunks::<3>().0.iter();
@@ -181,6 +211,11 @@ pub fn from_rgb8(width: u32, height: u32, bytes: &[u8]) -> Image {
 ///
 /// # Errors
 /// Where it cannot be read or is no picture.
+///
+/// ```
+/// use rtscript::testing::load_picture;
+/// assert!(load_picture("no such file.png".as_ref()).is_err());
+/// ```
 pub fn load_picture(path: &Path) -> io::Result<Image> {
     let decoded = image::load_from_memory(&fs::read(path)?)
         .map_err(|e| io::Error::new(io::ErrorKind::InvalidData, e.to_string()))?

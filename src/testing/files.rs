@@ -22,6 +22,13 @@ use crate::{
 ///
 /// # Errors
 /// Where a folder cannot be read.
+///
+/// ```
+/// use rtscript::testing::find_scenes;
+/// let scenes = find_scenes("scripts".as_ref())?;
+/// assert!(scenes.iter().any(|path| path.ends_with("sphereflake.rhai")));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn find_scenes(root: &Path) -> io::Result<Vec<PathBuf>> {
     let mut scenes = Vec::new();
     let mut folders = vec![root.to_owned()];
@@ -80,6 +87,12 @@ impl RenderedFile {
 }
 
 /// What a scene is for: the comment on the first line of its text, if there is one.
+///
+/// ```
+/// use rtscript::testing::intent;
+/// assert_eq!(intent("// A ball on a table.\nsphere(0, 0, 0, 1);"), Some("A ball on a table."));
+/// assert_eq!(intent("sphere(0, 0, 0, 1);"), None);
+/// ```
 #[must_use]
 pub fn intent(text: &str) -> Option<&str> {
     let first = text.lines().next()?;
@@ -93,6 +106,15 @@ pub fn intent(text: &str) -> Option<&str> {
 ///
 /// # Errors
 /// Whatever is wrong with the scene.
+///
+/// ```
+/// use rtscript::{RunOptions, testing::render_file};
+/// let mut options = RunOptions::default();
+/// options.size = Some((8, 6));
+/// let made = render_file("scripts/sunflower.rhai".as_ref(), &options)?;
+/// assert_eq!(made.image.height(), 6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn render_file(path: &Path, options: &RunOptions) -> Result<RenderedFile, Error> {
     let text = read_scene(path)?;
     let assets = DirHost::new(path.parent().unwrap_or(Path::new(".")));
@@ -125,6 +147,15 @@ pub(crate) fn read_scene(path: &Path) -> Result<String, Error> {
 ///
 /// # Errors
 /// Whatever is wrong with the scene.
+///
+/// ```
+/// use rtscript::{Limits, NoHost, RunOptions, testing::{RenderedFile, render_text}};
+/// let text = "size(8, 6); sphere(0, 0, 0, 1);";
+/// let made: RenderedFile = render_text("a.rhai", text, &NoHost, &Limits::default(), &RunOptions::default())?;
+/// assert_eq!(made.image.width(), 8);
+/// println!("{}", made.snapshot());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn render_text(
     name: &str,
     text: &str,

@@ -33,6 +33,15 @@ const HEAD: &str = "rtscript snapshot 1";
 ///
 /// and after it, where there are any, a line for each picture that the script rendered before the last
 /// (`before "name.png" 320 x 200 hash ...`), each warning and each line that it printed.
+///
+/// ```
+/// use rtscript::{Limits, NoHost, RunOptions, parameters::Parameters, testing::{Snapshot, render_text}};
+/// let made = render_text("a.rhai", "size(8, 6); sphere(0, 0, 0, 1);", &NoHost, &Limits::default(), &RunOptions::default())?;
+/// let snapshot = Snapshot::of(&made, &Parameters::default());
+/// let read = Snapshot::parse(&snapshot.to_string()).expect("it was just written");
+/// assert!(read.guards(&snapshot));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Snapshot {
     /// Version of the rtscript that took it.

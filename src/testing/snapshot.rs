@@ -31,6 +31,12 @@ pub(super) fn picture_text(image: &Image) -> String {
 }
 
 /// What a picture looks like, coarsely.
+///
+/// ```
+/// use rtscript::testing::{Look, from_rgb8};
+/// let look = Look::of(&from_rgb8(8, 8, &[255; 192]));
+/// assert_eq!(look.luma[0][0], 255);
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Look {
     /// Mean of each channel of the 8-bit values; 1 is white.

@@ -22,6 +22,18 @@ use crate::{
 ///
 /// # Errors
 /// `Cancelled` where the host asks to stop, `Limit` where instancing multiplies past 2^62 primitives.
+///
+/// ```
+/// use rtscript::{Builder, DVec3, NoHost, render::inspect};
+/// let mut b = Builder::new();
+/// // Two balls in one place.
+/// b.sphere(DVec3::ZERO, 1.0)?;
+/// b.sphere(DVec3::ZERO, 1.0)?;
+/// for finding in inspect(&b.finish().value, &NoHost)? {
+///     println!("{finding}");
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn inspect(scene: &Scene, host: &dyn Host) -> Result<Vec<Diagnostic>, Error> {
     let world = World::compile(scene)?;
     let mut warnings = before(&world);
@@ -70,6 +82,12 @@ pub(super) fn after(world: &World<'_>, image: &Image, before: &[Diagnostic]) -> 
 
 /// A warning where there is light and no material that answers it: at the start, diffuse and specular are black. A scene
 /// may want that, so only who looks at a picture for the first time is to be told.
+///
+/// ```
+/// use rtscript::{Builder, render::unanswered};
+/// // An ordinary scene leaves nothing open.
+/// assert!(unanswered(&Builder::new().finish().value).is_none());
+/// ```
 pub fn unanswered(scene: &Scene) -> Option<Diagnostic> {
     let is_lit = scene.root().lights.iter().any(|light| light.color != Color::ZERO);
     let answers = |m: &Material| {

@@ -44,6 +44,18 @@ impl PixelCost {
 ///
 /// # Errors
 /// `Cancelled` where the host asks to stop, `Limit` where instancing multiplies past 2^62 primitives.
+///
+/// ```
+/// use rtscript::{Builder, DVec3, NoHost, render::show::{PixelCost, costs, heat_map}};
+/// let mut b = Builder::new();
+/// b.size(8, 6)?;
+/// b.sphere(DVec3::ZERO, 1.0)?;
+/// let scene = b.finish().value;
+/// let each: Vec<PixelCost> = costs(&scene, &NoHost)?;
+/// assert!(each.iter().all(|pixel| pixel.rays >= 1 && pixel.work() >= 1));
+/// assert_eq!(heat_map(&scene, &each).width(), 8);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn costs(scene: &Scene, host: &dyn Host) -> Result<Vec<PixelCost>, Error> {
     let world = World::compile_for(scene, host)?;
     let s = &scene.settings;

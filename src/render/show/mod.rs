@@ -53,6 +53,16 @@ struct Met {
 ///
 /// # Errors
 /// `Cancelled` where the host asks to stop, `Limit` where instancing multiplies past 2^62 primitives.
+///
+/// ```
+/// use rtscript::{Builder, DVec3, NoHost, RenderOptions, render::show::{Show, show}};
+/// let mut b = Builder::new();
+/// b.size(8, 6)?;
+/// b.sphere(DVec3::ZERO, 1.0)?;
+/// let normals = show(&b.finish().value, Show::Normal, &RenderOptions::default(), &NoHost)?;
+/// assert_eq!(normals.width(), 8);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn show(scene: &Scene, what: Show, options: &RenderOptions, host: &dyn Host) -> Result<Image, Error> {
     on_threads(options.threads, || show_here(scene, what, host))
 }
@@ -106,6 +116,15 @@ fn show_here(scene: &Scene, what: Show, host: &dyn Host) -> Result<Image, Error>
 }
 
 /// What each pixel costs, from black over red to white.
+///
+/// ```
+/// use rtscript::{Builder, NoHost, render::show::{costs, heat_map}};
+/// let mut b = Builder::new();
+/// b.size(8, 6)?;
+/// let scene = b.finish().value;
+/// assert_eq!(heat_map(&scene, &costs(&scene, &NoHost)?).height(), 6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[must_use]
 pub fn heat_map(scene: &Scene, costs: &[PixelCost]) -> Image {
     let most = costs.iter().map(PixelCost::work).max().unwrap_or(0);

@@ -20,6 +20,20 @@ const PIECE: usize = 1 << 14;
 
 /// Acceleration structures kept from one render to the next: those of the last world, and up to 256 MiB of those that it
 /// had no use for. Clones share what is kept.
+///
+/// ```
+/// use rtscript::{Builder, DVec3, NoHost, RenderOptions, render, render::KeptTrees};
+/// let mut b = Builder::new();
+/// b.size(4, 4)?;
+/// b.sphere(DVec3::ZERO, 1.0)?;
+/// let scene = b.finish().value;
+/// let mut options = RenderOptions::default();
+/// options.trees = Some(KeptTrees::new());
+/// // The second picture finds the trees that the first one built.
+/// let first = render(&scene, &options, &NoHost)?.value.image.hash();
+/// assert_eq!(first, render(&scene, &options, &NoHost)?.value.image.hash());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct KeptTrees(Arc<Mutex<Kept>>);
 

@@ -97,6 +97,19 @@ pub struct World<'s> {
 }
 
 /// What a ray met.
+///
+/// ```
+/// use rtscript::{Builder, DVec3, math::Ray, render::{RayHit, World}};
+/// let mut b = Builder::new();
+/// b.sphere(DVec3::ZERO, 1.0)?;
+/// let scene = b.finish().value;
+/// let world = World::compile(&scene)?;
+/// let ray = Ray { origin: DVec3::Z * 5.0, dir: DVec3::NEG_Z };
+/// let Some(RayHit { t, normal, number, .. }) = world.raycast(&ray, f64::INFINITY) else { panic!("a hit") };
+/// assert_eq!((t, normal), (4.0, DVec3::Z));
+/// assert_eq!(world.objects_of(number).len(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayHit {
     /// Ray parameter: the point is `ray.at(t)`.

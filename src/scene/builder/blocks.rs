@@ -5,6 +5,18 @@ use crate::diag::{Code, nearest_names};
 use crate::scene::{Geometry, Group, GroupId, Material};
 
 /// What a `group`, `define`, `difference` or `moving` block restores when it is left; see [`Builder::begin_group`].
+///
+/// ```
+/// use rtscript::{Builder, DVec3, scene::GroupMark};
+/// let mut b = Builder::new();
+/// let mark: GroupMark = b.begin_define("pair")?;
+/// b.sphere(DVec3::NEG_X, 0.5)?;
+/// b.sphere(DVec3::X, 0.5)?;
+/// b.end_define(mark, true);
+/// b.instance("pair")?;
+/// assert_eq!(b.finish().value.root().objects.len(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 #[must_use = "hand it back to end_group, end_define, end_csg or end_moving"]
 pub struct GroupMark {

@@ -4,6 +4,12 @@ use super::{Camera, Lens, Projection, StereoLayout};
 use crate::math::{DVec2, DVec3, Ray, asin, atan2, hypot, max_abs, sin_cos_degrees};
 
 /// One of two eyes, or the one between them.
+///
+/// ```
+/// use rtscript::scene::Eye;
+/// // What a camera without stereo looks with.
+/// assert_eq!(Eye::default(), Eye::Middle);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Eye {
     /// Where the camera stands.
@@ -26,6 +32,16 @@ impl Eye {
 }
 
 /// The camera's orthonormal frame and the extent of its picture plane.
+///
+/// ```
+/// use rtscript::{DVec3, scene::{Camera, CameraFrame}};
+/// let camera = Camera::new(DVec3::Z * 5.0, DVec3::ZERO, DVec3::Y, 40.0)?;
+/// let frame: CameraFrame = camera.frame(100, 100);
+/// // The ray through the middle of the picture looks at the target.
+/// let ray = frame.ray(50.0, 50.0).expect("every place has a ray here");
+/// assert!(ray.dir.normalize().abs_diff_eq(DVec3::NEG_Z, 1e-12));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct CameraFrame {
     eye: DVec3,

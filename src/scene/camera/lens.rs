@@ -23,6 +23,16 @@ pub enum Focus {
 ///
 /// A point at distance `d` ahead of the camera is spread over a circle of radius `radius |d - f| / f`, measured in the
 /// plane at distance `d`, `f` being the distance in focus.
+///
+/// ```
+/// use rtscript::{DVec3, scene::{Camera, Focus, Lens}};
+/// let mut lens = Lens::new(0.05);
+/// lens.focus = Focus::Distance(4.0);
+/// lens.blades = 6;
+/// let camera = Camera::new(DVec3::new(0.0, 1.0, 5.0), DVec3::ZERO, DVec3::Y, 40.0)?.with_lens(Some(lens))?;
+/// assert!(camera.lens.is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lens {
     /// Radius of the aperture in world units, above 0; of a polygon that of its corners.

@@ -41,6 +41,18 @@ impl Shutter {
 
 /// Where a camera stands when its motion ends. What it looks from, looks at and has as up go there in straight lines, at
 /// an even pace.
+///
+/// ```
+/// use rtscript::{DVec3, scene::{Camera, Motion, Shutter}};
+/// let eye = DVec3::new(0.0, 1.0, 5.0);
+/// // Half a unit to the right while light is gathered, of which the first half counts.
+/// let moved = Motion { eye: eye + 0.5 * DVec3::X, at: DVec3::ZERO, up: DVec3::Y };
+/// let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, 40.0)?
+///     .with_motion(Some(moved))?
+///     .with_shutter(Shutter { open: 0.0, close: 0.5 })?;
+/// assert_eq!(camera.shutter.close, 0.5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     /// Where it stands.

@@ -40,6 +40,14 @@ impl StereoLayout {
 /// that are shifted rather than turned ("off axis"), so that nothing is displaced vertically. The other projections
 /// converge on a sphere. In panoramic and cylindrical pictures each column is seen by eyes that look that way
 /// (omnidirectional stereo; Peleg, Ben-Ezra and Pritch, "Omnistereo: panoramic stereo imaging", 2001).
+///
+/// ```
+/// use rtscript::{DVec3, scene::{Camera, Stereo, StereoLayout}};
+/// let eyes = Stereo { separation: 0.065, layout: StereoLayout::SideBySide, convergence: Some(3.0) };
+/// let camera = Camera::new(DVec3::Z * 5.0, DVec3::ZERO, DVec3::Y, 40.0)?.with_stereo(Some(eyes))?;
+/// assert_eq!(camera.stereo.map(|s| s.layout.name()), Some("side-by-side"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stereo {
     /// From eye to eye, in world units, above 0.

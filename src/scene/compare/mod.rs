@@ -69,6 +69,22 @@ pub type Place = (u32, u32);
 /// where a line makes as many things as before and one move leads from all of them to all of those, that is taken; then
 /// what comes from one line, first where all but one thing about it is the same; then what is the same but for its
 /// place or its look, wherever it is made. The rest was added or removed. n log n for n things.
+///
+/// ```
+/// use rtscript::{Builder, DVec3, scene::compare::{Change, Place, Way, compare}};
+/// let ball_at = |x| -> Result<_, rtscript::scene::SceneError> {
+///     let mut b = Builder::new();
+///     b.sphere(DVec3::X * x, 1.0)?;
+///     Ok(b.finish().value)
+/// };
+/// let (before, after) = (ball_at(0.0)?, ball_at(2.0)?);
+/// let mut names = Vec::new();
+/// let same_place = |_: bool, loc: rtscript::diag::SourceLoc| -> Place { (loc.file.into(), loc.line) };
+/// compare(&before, &after, &same_place, &mut |change: Change| names.push((change.name, change.ways.len())));
+/// assert!(!names.is_empty());
+/// # let _: Option<Way> = None;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn compare<'a>(
     before: &'a Scene,
     after: &'a Scene,

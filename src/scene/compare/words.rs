@@ -17,6 +17,11 @@ use crate::{
 };
 
 /// A number in six digits, without the noise of rounding.
+///
+/// ```
+/// use rtscript::scene::compare::short;
+/// assert_eq!(short(0.1 + 0.2), 0.3);
+/// ```
 #[must_use]
 pub fn short(x: f64) -> f64 {
     format!("{x:.5e}").parse().unwrap_or(x) + 0.0
@@ -296,6 +301,15 @@ fn or_none(said: Option<String>) -> String {
 }
 
 /// Settings and camera that differ: what, the value it had, the value it has.
+///
+/// ```
+/// use rtscript::{Builder, scene::compare::settings};
+/// let mut b = Builder::new();
+/// b.samples(4)?;
+/// let changed = settings(&Builder::new().finish().value, &b.finish().value);
+/// assert_eq!(changed, [("samples", "1".to_owned(), "4".to_owned())]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[must_use]
 pub fn settings(before: &Scene, after: &Scene) -> Vec<(&'static str, String, String)> {
     let said = |scene: &Scene| {

@@ -10,6 +10,15 @@ use crate::{
 };
 
 /// Parallel light from a disk in the sky: a [`LightKind::Directional`](super::LightKind::Directional) with soft shadows.
+///
+/// ```
+/// use rtscript::{Builder, DVec3, scene::Sun};
+/// // Half a degree wide, as the real one.
+/// let sun = Sun::new(DVec3::new(1.0, 2.0, 1.0), 0.53, 16)?;
+/// assert_eq!(sun.angle(), 0.53);
+/// Builder::new().sun(sun, DVec3::ONE)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sun {
     direction: DVec3,
@@ -83,6 +92,17 @@ impl Sun {
 }
 
 /// Light from one point through a picture, as a slide projector sends it.
+///
+/// ```
+/// use rtscript::{Builder, DVec3, scene::{Attenuation, Projector, Texture}};
+/// let mut b = Builder::new();
+/// let slide = b.texture(&Texture::Checker { even: DVec3::ONE, odd: DVec3::X, size: 0.1 }.into());
+/// let [from, at, up] = [DVec3::Z * 4.0, DVec3::ZERO, DVec3::Y];
+/// let projector = Projector::new([from, at, up], 30.0, slide, Attenuation::default())?;
+/// assert_eq!((projector.position(), projector.fovy()), (from, 30.0));
+/// b.projector(projector, DVec3::ONE)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Projector {
     position: DVec3,

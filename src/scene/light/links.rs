@@ -4,6 +4,19 @@ use crate::scene::{GroupId, SceneError};
 
 /// Which shapes a light reaches: those of some groups, or those outside of some. A shape is in a group where an instance
 /// of it leads to the shape, directly or through others. Whatever stands in the way casts its shadow all the same.
+///
+/// ```
+/// use rtscript::{Builder, scene::Links};
+/// let mut b = Builder::new();
+/// let mark = b.begin_define("car")?;
+/// b.end_define(mark, true);
+/// let car = b.group_called("car")?;
+/// // The lights that follow reach cars and nothing else.
+/// let links = Links::new(Some(vec![car]), Vec::new())?;
+/// assert!(!links.is_all() && links.reaches(|group| group == car));
+/// b.light_linking(links)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Links {
     only: Option<Vec<GroupId>>,

@@ -15,6 +15,15 @@ use crate::{
 /// s(a) max(cos a, 0)^`tightness` at the angle a from the axis, where s goes from 0 at `angle` to 1 at `angle - penumbra`
 /// as 3x^2 - 2x^3 of where cos a lies between the two cosines: the smooth edge of three.js and of pbrt, with the
 /// tightness of POV-Ray. Without penumbra the edge is sharp, and light on it arrives.
+///
+/// ```
+/// use rtscript::{Builder, DVec3, scene::{Attenuation, Spot}};
+/// let spot = Spot::new(DVec3::Y * 3.0, DVec3::ZERO, (20.0, 5.0), 0.0, Attenuation::default())?;
+/// // All of it straight down, nothing to the side.
+/// assert_eq!((spot.share(DVec3::NEG_Y), spot.share(DVec3::X)), (1.0, 0.0));
+/// Builder::new().spot(spot, DVec3::ONE)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spot {
     position: DVec3,

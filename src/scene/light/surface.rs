@@ -68,6 +68,18 @@ impl LightMesh {
 
 /// A surface that shines. It is asked for light in `n` x `n` strata, in each of which there is one jittered point, and it
 /// is not seen itself. It stands under any matrix.
+///
+/// ```
+/// use rtscript::{Builder, DVec3, scene::{Falloff, LightForm, LightMesh, SurfaceLight}};
+/// let lamp = SurfaceLight::disk(DVec3::Y * 3.0, DVec3::NEG_Y, 0.5, 16, Falloff::Physical)?;
+/// assert_eq!((lamp.form(), lamp.n()), (&LightForm::Disk, 16));
+/// let card = LightMesh::new(vec![[DVec3::ZERO, DVec3::Z, DVec3::X]])?;
+/// let sign = SurfaceLight::mesh(card.into(), 16, Falloff::Physical)?;
+/// let mut b = Builder::new();
+/// b.surface_light(lamp, DVec3::splat(10.0))?;
+/// b.surface_light(sign, DVec3::splat(2.0))?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceLight {
     form: LightForm,

@@ -3,6 +3,16 @@
 use crate::scene::SceneError;
 
 /// A rectangle of pixels.
+///
+/// ```
+/// use rtscript::scene::{Crop, Region};
+/// let whole = Region { x: 0, y: 0, width: 100, height: 50 };
+/// let left_half = Crop::Fractions { left: 0.0, top: 0.0, right: 0.5, bottom: 1.0 };
+/// left_half.check()?;
+/// assert_eq!(left_half.region(&whole), Region { width: 50, ..whole });
+/// assert!(whole.contains(99, 49) && whole.pixels() == 5000);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Region {
     /// Its first column.

@@ -82,6 +82,14 @@ impl FilterKind {
 /// Samples are drawn from the filter rather than weighted by it (Ernst, Stamminger and Greiner, "Filter importance
 /// sampling", 2006), so that each pixel has samples of its own and depends on nothing else. Where a filter is below 0,
 /// samples count negatively; a pixel is the sum of what its samples count, over the sum of what they count for.
+///
+/// ```
+/// use rtscript::scene::{Filter, FilterKind};
+/// let soft = Filter { radius: 3.0, ..Filter::new(FilterKind::Gaussian) };
+/// soft.check()?;
+/// assert!(Filter::default().is_pixel() && !soft.is_pixel());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Filter {
     /// Its shape.
@@ -142,6 +150,17 @@ impl Filter {
 /// The error is the standard error of the pixel's mean as it looks on a screen, whose curve is taken for a square root. A
 /// pixel whose first samples are even goes on all the same where they differ from those of one of its eight neighbors by
 /// more than eight times `error`: it may have missed an edge.
+///
+/// ```
+/// use rtscript::{Builder, scene::{Adaptive, Filter, FilterKind, Sampling}};
+/// let mut b = Builder::new();
+/// b.sampling(Sampling::Sobol);
+/// b.filter(Filter::new(FilterKind::Mitchell))?;
+/// b.samples(64)?;
+/// // From 8 samples on, only where the error is above 1 %.
+/// b.adaptive(Some(Adaptive { error: 0.01, min: 8 }))?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Adaptive {
     /// Largest error, from 0 to 1, where 1 is from black to white. 0 takes all samples.

@@ -32,6 +32,15 @@ use crate::diag::SourceLoc;
 
 /// The files that textures and meshes of a scene were read from, as the host knows them: relative to the folder of the
 /// script.
+///
+/// ```
+/// use rtscript::{NoHost, RunOptions, Script, scene::AssetFiles};
+/// let script = Script::compile("a.rhai", "sphere(0, 0, 0, 1);", &Default::default())?;
+/// let run = script.run(&NoHost, &RunOptions::default())?.value;
+/// let files: &AssetFiles = run.files();
+/// assert!(files.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct AssetFiles {
     pub(crate) textures: BTreeMap<TextureId, String>,

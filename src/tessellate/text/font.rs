@@ -16,6 +16,13 @@ use super::{
 use crate::scene::SceneError;
 
 /// A font, of TrueType outlines or of the cubic ones of a table 'CFF '.
+///
+/// ```
+/// use rtscript::tessellate::{Font, Text};
+/// let mut word = Text::new("Hi");
+/// word.font = Font::built_in();
+/// assert!(Font::read(b"no font").is_err());
+/// ```
 #[derive(Clone, PartialEq)]
 pub struct Font {
     bytes: Arc<[u8]>,

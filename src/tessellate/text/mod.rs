@@ -47,6 +47,18 @@ pub enum VerticalAlign {
 }
 
 /// Lines of text, from left to right, one glyph for each character.
+///
+/// ```
+/// use rtscript::{Limits, tessellate::{Align, Allowance, Text, TextSize, VerticalAlign}};
+/// let mut word = Text::new("Hi");
+/// word.align = Align::Center;
+/// word.vertical_align = VerticalAlign::Middle;
+/// let limits = Limits::default();
+/// let size: TextSize = word.measure(&Allowance::of(&limits))?;
+/// assert!(size.lines == 1 && size.width > 0.0);
+/// assert!(word.mesh(&Allowance::of(&limits))?.is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Text {
     /// The characters; `\n` begins a line.

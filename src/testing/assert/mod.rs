@@ -129,6 +129,12 @@ macro_rules! snapshot_site {
 pub use crate::{assert_render_snapshot, glob_render_snapshots, snapshot_site};
 
 /// What an assertion may say beside name and subject.
+///
+/// ```
+/// use rtscript::testing::{Tolerance, assert::SnapshotOptions};
+/// let mut options = SnapshotOptions::default();
+/// options.tolerance = Tolerance { max_difference: 2, ..Tolerance::EXACT };
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct SnapshotOptions {
     /// How much the picture may differ from its reference.
@@ -139,6 +145,13 @@ pub struct SnapshotOptions {
 
 /// Where an assertion stands; [`snapshot_site!`] makes one. What it checks it answers for instead of panicking, so a
 /// test runner of one's own can make a test of each scene.
+///
+/// ```
+/// use rtscript::testing::assert::{Site, snapshot_site};
+/// // Where a test stands, as the assertions find it out.
+/// let site: Site = snapshot_site!();
+/// assert!(site.file.ends_with(".rs"));
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Site {
     /// The folder of the crate's `Cargo.toml`.

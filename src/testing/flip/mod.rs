@@ -38,6 +38,13 @@ const KNEE: f64 = 0.4;
 /// Error at the knee, `p_t` (section 4.1).
 const KNEE_ERROR: f64 = 0.95;
 /// How much two pictures differ to the eye, pixel by pixel.
+///
+/// ```
+/// use rtscript::testing::{FlipMap, flip, from_rgb8};
+/// let [black, white] = [0, 255].map(|v| from_rgb8(4, 4, &[v; 48]));
+/// let map: FlipMap = flip(&black, &white).expect("of one size");
+/// assert!(map.mean() > 0.9 && map.max() <= 1.0 && map.at(0, 0).is_some());
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlipMap {
     width: usize,
@@ -96,6 +103,13 @@ impl FlipMap {
 
 /// LDR-FLIP between two pictures as they would be written in 8 bits, read as sRGB, seen at about 67 pixels per
 /// degree (0.7 m away from a screen 0.7 m and 3840 pixels wide). `None` where the sizes differ or there is no pixel.
+///
+/// ```
+/// use rtscript::testing::{flip, from_rgb8};
+/// let [small, large] = [1, 2].map(|n| from_rgb8(n, n, &vec![0; 3 * (n * n) as usize]));
+/// assert!(flip(&small, &small).is_some_and(|map| map.mean() == 0.0));
+/// assert!(flip(&small, &large).is_none());
+/// ```
 #[must_use]
 pub fn flip(expected: &Image, actual: &Image) -> Option<FlipMap> {
     let (width, height) = (expected.width() as usize, expected.height() as usize);
