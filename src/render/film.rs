@@ -5,6 +5,8 @@
     reason = "the table has an entry for every interval from 0 to 1, which the value is clamped to"
 )]
 
+use std::sync::OnceLock;
+
 use super::Layer;
 use crate::{
     color::{Color, linear_from_srgb, srgb_from_linear},
@@ -28,6 +30,17 @@ pub struct Image {
     pixels: Vec<[f64; 3]>,
     layers: Vec<Layer>,
     file: FileOptions,
+    hash: KnownHash,
+}
+
+/// A picture's hash, once somebody has asked for it. It follows from the rest, so that any two are equal.
+#[derive(Clone, Debug, Default)]
+struct KnownHash(OnceLock<String>);
+
+impl PartialEq for KnownHash {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 /// How a picture is written to a file, where that is left to choose.
@@ -88,6 +101,7 @@ impl Image {
             pixels,
             layers: Vec::new(),
             file: FileOptions::default(),
+            hash: KnownHash::default(),
         }
     }
 
@@ -173,10 +187,22 @@ impl Image {
         let channels = self.pixels.as_flattened().iter();
         match self.encoding {
             Encoding::Srgb => {
-                let levels = SrgbLevels::new();
+                let levels = SrgbLevels::get();
                 channels.map(|&v| levels.quantize(v)).collect()
             }
             Encoding::Raw => channels.map(|&v| quantize(v, Encoding::Raw)).collect(),
+        }
+    }
+
+    /// Whether every pixel is black in 8 bits.
+    pub(crate) fn is_black(&self) -> bool {
+        let mut channels = self.pixels.as_flattened().iter();
+        match self.encoding {
+            Encoding::Srgb => {
+                let levels = SrgbLevels::get();
+                channels.all(|&v| levels.quantize(v) == 0)
+            }
+            Encoding::Raw => channels.all(|&v| quantize(v, Encoding::Raw) == 0),
         }
     }
 
@@ -184,10 +210,13 @@ impl Image {
     /// hexadecimal digits. Never of an encoded file, whose bytes depend on the encoder.
     #[must_use]
     pub fn hash(&self) -> String {
-        let mut hasher = blake3::Hasher::new();
-        hasher.update(format!("P6\n{} {}\n255\n", self.width, self.height).as_bytes());
-        hasher.update(&self.rgb8());
-        hasher.finalize().to_hex()[..32].to_owned()
+        let of_pixels = || {
+            let mut hasher = blake3::Hasher::new();
+            hasher.update(format!("P6\n{} {}\n255\n", self.width, self.height).as_bytes());
+            hasher.update(&self.rgb8());
+            hasher.finalize().to_hex()[..32].to_owned()
+        };
+        self.hash.0.get_or_init(of_pixels).clone()
     }
 }
 
@@ -211,27 +240,45 @@ pub fn quantize(v: f64, encoding: Encoding) -> u8 {
 struct SrgbLevels {
     /// Linear light at which each level begins, and last what no light reaches.
     begins: [f64; 257],
-    /// The level at the start of each of equally wide intervals of linear light.
-    first: [u8; SrgbLevels::INTERVALS + 1],
+    /// The level at the start of each interval of linear light: equally wide ones between any two powers of 2, so
+    /// narrow that at most one level begins within.
+    first: [u8; Self::INTERVALS + 1],
 }
 
 impl SrgbLevels {
-    const INTERVALS: usize = 1024;
+    /// Powers of 2 below 1 that are divided; what is darker than the least is of level 0.
+    const OCTAVES: usize = 13;
+    /// Bits of a number's fraction that tell in which interval it lies.
+    const BITS: u32 = 7;
+    const INTERVALS: usize = Self::OCTAVES << Self::BITS;
+    const LEAST: f64 = 1.0 / (1 << Self::OCTAVES) as f64;
 
     /// Nearer than this to the beginning of a level, the formula decides. The beginnings are known to 1e-15, and
     /// what the formula rounds moves them by less than 1e-13.
     const MARGIN: f64 = 1e-9;
 
+    /// The same for all pictures.
+    fn get() -> &'static Self {
+        static LEVELS: OnceLock<SrgbLevels> = OnceLock::new();
+        LEVELS.get_or_init(Self::new)
+    }
+
     fn new() -> Self {
         let mut begins = [f64::INFINITY; 257];
-        begins[0] = 0.0;
+        // Level 0 has no beginning for light to be near to.
+        begins[0] = -1.0;
         for (level, begin) in begins.iter_mut().enumerate().take(256).skip(1) {
             *begin = linear_from_srgb((level as f64 - 0.5) / 255.0);
         }
         let mut first = [0; Self::INTERVALS + 1];
-        for (i, first) in first.iter_mut().enumerate() {
-            let v = i as f64 / Self::INTERVALS as f64;
-            *first = (begins.partition_point(|begin| *begin <= v) - 1) as u8;
+        let mut level = 0u8;
+        for (first, i) in first.iter_mut().zip(0..) {
+            let start =
+                f64::from_bits(Self::LEAST.to_bits() + (i << (f64::MANTISSA_DIGITS - 1 - Self::BITS)));
+            while begins[usize::from(level) + 1] <= start {
+                level += 1;
+            }
+            *first = level;
         }
         Self { begins, first }
     }
@@ -239,11 +286,13 @@ impl SrgbLevels {
     /// The same as [`quantize`], always.
     #[inline]
     fn quantize(&self, v: f64) -> u8 {
-        let v = if v > 0.0 { v.min(1.0) } else { 0.0 };
-        let mut level = usize::from(self.first[(v * Self::INTERVALS as f64) as usize]);
-        while v >= self.begins[level + 1] {
-            level += 1;
-        }
+        // NaN becomes 0.
+        let v = if v > 0.0 { v } else { 0.0 };
+        let v = if v < 1.0 { v } else { 1.0 };
+        let from = if v > Self::LEAST { v } else { Self::LEAST };
+        let interval = (from.to_bits() - Self::LEAST.to_bits()) >> (f64::MANTISSA_DIGITS - 1 - Self::BITS);
+        let mut level = usize::from(self.first[interval as usize]);
+        level += usize::from(v >= self.begins[level + 1]);
         if v - self.begins[level] < Self::MARGIN || self.begins[level + 1] - v < Self::MARGIN {
             return quantize(v, Encoding::Srgb);
         }
@@ -270,7 +319,7 @@ mod tests {
 
     #[test]
     fn levels_are_what_the_formula_says() {
-        let levels = SrgbLevels::new();
+        let levels = SrgbLevels::get();
         let same = |v: f64| assert_eq!(levels.quantize(v), quantize(v, Encoding::Srgb), "{v:e}");
         for v in [
             0.0,
@@ -280,12 +329,16 @@ mod tests {
             2.0,
             5e-324,
             0.003_130_8,
+            SrgbLevels::LEAST,
+            1.0 - f64::EPSILON / 2.0,
             f64::NAN,
             f64::INFINITY,
             f64::NEG_INFINITY,
         ] {
             same(v);
         }
+        // One step from the level at the start of an interval must do.
+        assert!(levels.first.is_sorted_by(|a, b| a <= b && b - a <= 1));
         for begin in levels.begins.into_iter().take(256).skip(1) {
             for ulps in -2000..2000i64 {
                 same(f64::from_bits(begin.to_bits().wrapping_add_signed(ulps)));

@@ -103,7 +103,7 @@ pub(super) fn why(world: &World<'_>, image: &Image) -> Option<Diagnostic> {
             .hint("camera(from, at, up, fovy) says where it stands and what it looks at"),
         );
     }
-    if met.is_empty() || image.rgb8().iter().any(|v| *v > 0) {
+    if met.is_empty() || !image.is_black() {
         return None;
     }
     let brightest = image.pixels().iter().flatten().fold(0.0, |a: f64, b| a.max(*b));

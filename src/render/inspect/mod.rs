@@ -74,7 +74,7 @@ pub(super) fn after(world: &World<'_>, image: &Image, before: &[Diagnostic]) -> 
         return None;
     }
     let first = image.pixels().first()?;
-    if !image.pixels().iter().all(|pixel| pixel == first) && image.rgb8().iter().any(|v| *v > 0) {
+    if !image.is_black() && !image.pixels().iter().all(|pixel| pixel == first) {
         return None;
     }
     dark::why(world, image)
