@@ -3,10 +3,14 @@
 
 #![allow(clippy::unwrap_used)]
 
-use rtscript::{DVec3, Image, Limits, MemoryHost, RunOptions, testing};
+use rtscript::{DVec3, Image, Limits, MemoryHost, NoHost, RunOptions, render::World, testing};
 
 /// The inside of a ball's outline, `n` x `n` directions of a sky that is 1 everywhere being asked for light.
 fn ball(material: &str, n: u32, samples: u32) -> Image {
+    rendered(material, n, samples).image
+}
+
+fn rendered(material: &str, n: u32, samples: u32) -> testing::RenderedFile {
     let scene = format!(
         "size(8, 8); samples({samples}); maxDepth(20); ambient(0, 0, 0); diffuse(0, 0, 0);\n\
          environment([1, 1, 1], #{{ n: {n} }}); camera([0, 0, 8], [0, 0, 0], [0, 1, 0], 9);\n\
@@ -14,7 +18,7 @@ fn ball(material: &str, n: u32, samples: u32) -> Image {
     );
     let (host, limits, options) = (MemoryHost::new(), Limits::default(), RunOptions::default());
     let rendered = testing::render_text("test.rhai", &scene, &host, &limits, &options);
-    rendered.map_err(|e| format!("{e}\n{scene}")).unwrap().image
+    rendered.map_err(|e| format!("{e}\n{scene}")).unwrap()
 }
 
 fn pixels(image: &Image) -> Vec<DVec3> {
@@ -114,6 +118,24 @@ fn a_highlight_without_a_mirror_shows_the_sky_and_one_with_it_what_is_left() {
         "{alone} {beside}"
     );
     assert_eq!(whole, 0.0);
+}
+
+#[test]
+fn an_explanation_has_the_sky_where_it_is_asked() {
+    for (material, terms) in [
+        ("reflection(1, 1, 1); roughness(0.3);", 0),
+        ("specular(1, 1, 1);", 0),
+        ("diffuse(1, 1, 1); clearCoat(1, 0.3);", 1),
+        ("specular(1, 1, 1); reflection(0.5, 0.5, 0.5);", 1),
+    ] {
+        let rendered = rendered(material, 2, 1);
+        let world = World::compile(&rendered.scene).unwrap();
+        let explained = world.explain(4, 4, &NoHost).unwrap();
+        let hit = explained.samples[0].rays[0].hit.as_ref().unwrap();
+        assert_eq!(hit.lights.len(), terms, "{material}");
+        assert_eq!(explained.value, rendered.image.pixel(4, 4).unwrap(), "{material}");
+        assert_eq!(explained.samples[0].sum(), explained.value, "{material}");
+    }
 }
 
 #[test]

@@ -60,7 +60,6 @@ impl Lit<'_> {
             return;
         }
         let number = after_the_lights(self.world, ENVIRONMENT);
-        observer.light(number as usize);
         let unfollowed = self.gloss.polished.map(Unfollowed);
         let mut gloss = Gloss { ..*self.gloss };
         match &unfollowed {
@@ -79,6 +78,7 @@ impl Lit<'_> {
             gloss: &gloss,
             ..*self
         };
+        observer.light(number as usize);
         let normal = self.at.shading_normal;
         let (right, up) = around(normal);
         // Half of them where it is bright, half by the cosine, together as one choice (the balance heuristic; Veach and
