@@ -128,6 +128,27 @@ impl Material {
         self.transmission.is_black()
     }
 
+    /// The textures of its terms with the keys of `material(#{ })` that they belong to, in the order of those; of one key in the order
+    /// in which it takes them.
+    pub(crate) fn textures(&self) -> Vec<(&'static str, TextureId)> {
+        let of = |term: Term| term.texture;
+        let mut all = vec![
+            ("ambient", of(self.ambient)),
+            ("diffuse", of(self.diffuse)),
+            ("emission", of(self.emission)),
+            ("reflection", self.reflection.and_then(of)),
+            ("specular", of(self.specular)),
+            ("transmission", of(self.transmission)),
+        ];
+        if let Some(finish) = &self.finish {
+            all.extend(finish.textures());
+        }
+        all.sort_by_key(|(key, _)| *key);
+        all.into_iter()
+            .filter_map(|(key, texture)| Some((key, texture?)))
+            .collect()
+    }
+
     /// Its parts as bits, equal exactly where two materials are the same.
     pub(crate) fn key(&self) -> MaterialKey {
         let term = |t: &Term| {

@@ -234,3 +234,30 @@ fn mistakes_are_explained() {
         &["not a picture format"],
     );
 }
+
+#[test]
+fn textures_of_all_terms_are_named_with_what_they_are_there() {
+    let folder = Folder::with(
+        "size(16, 12);\n\
+         maxDepth(1);\n\
+         camera([0, 1, 4], [0, 0, 0], [0, 1, 0], 40);\n\
+         directional([1, 2, 3], [1, 1, 1]);\n\
+         let tiles = checker([1, 1, 1], [0.25, 0.5, 0.75], 100);\n\
+         diffuse(tiles);\n\
+         specular([0, 0, 0]);\n\
+         reflection(mixed(tiles, [0, 0, 0], [0.5, 0.5, 0.5]));\n\
+         roughness(checker([0.5, 0.5, 0.5], [0.1, 0.1, 0.1], 100));\n\
+         sphere(0, 0, 0, 1);\n",
+    );
+    insta::assert_snapshot!(told(&folder, &["scene.rhai", "8,6"]));
+    let json: serde_json::Value =
+        serde_json::from_str(&told(&folder, &["scene.rhai", "8,6", "--json"])).unwrap();
+    let textures = json["rays"][0]["hit"]["textures"].as_array().unwrap();
+    let terms: Vec<_> = textures
+        .iter()
+        .map(|used| used["term"].as_str().unwrap())
+        .collect();
+    assert_eq!(terms, ["diffuse", "reflection", "roughness"]);
+    assert_eq!(textures[2]["value"], serde_json::json!([0.5, 0.5, 0.5]));
+    assert!(textures[2]["text"].as_str().unwrap().starts_with("checker("));
+}

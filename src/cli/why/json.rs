@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use super::{
     Answer,
     text::{kind, placing},
+    textures,
 };
 use crate::{
     cli::subject::name_of,
@@ -101,6 +102,7 @@ impl Json<'_> {
         let material = hit.material.and_then(|id| self.0.scene.materials.get(id.index()));
         let lights: Vec<Value> = hit.lights.iter().map(|light| self.light(light)).collect();
         let branches: Vec<Value> = hit.branches.iter().map(branch).collect();
+        let textures = textures::json(self.0.scene, hit);
         json!({
             "t": hit.t,
             "position": vector(hit.position),
@@ -111,6 +113,7 @@ impl Json<'_> {
             "objects": self.objects(&hit.objects),
             "material": hit.material.map(|id| id.0),
             "material_text": material.map(|material| material.text()),
+            "textures": textures,
             "ambient": vector(hit.ambient),
             "emission": vector(hit.emission),
             "direct": vector(hit.direct),

@@ -3,6 +3,7 @@
 mod drawing;
 mod json;
 mod text;
+mod textures;
 
 use std::sync::Arc;
 

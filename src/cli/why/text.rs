@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Answer, first_hit, path_name};
+use super::{Answer, first_hit, path_name, textures};
 use crate::{
     cli::subject::{name_of, place, site},
     color::Color,
@@ -170,6 +170,9 @@ impl Text<'_> {
         if let Some(material) = a.scene.materials.get(id.index()) {
             self.line(0, format!("material {}", id.0));
             self.line(2, material.text());
+            for texture in textures::calls(a.scene, material) {
+                self.line(2, texture);
+            }
         }
     }
 
@@ -247,6 +250,9 @@ impl Text<'_> {
     }
 
     fn hit(&mut self, indent: usize, ray: &ExplainedRay<'_>, hit: &ExplainedHit<'_>) {
+        for texture in textures::values(hit) {
+            self.line(indent, texture);
+        }
         for (name, term) in [("ambient", hit.ambient), ("emission", hit.emission)] {
             if term != Color::ZERO {
                 self.line(indent, format!("{name:8}  {}", color(term)));
@@ -414,7 +420,7 @@ pub(super) fn kind(kind: RayKind) -> &'static str {
     }
 }
 
-fn color(c: Color) -> String {
+pub(super) fn color(c: Color) -> String {
     vector(c)
 }
 

@@ -18,7 +18,7 @@ use crate::{
     diag::{Diagnostic, Error, ErrorKind},
     host::Host,
     math::DVec3,
-    scene::{MaterialId, Object},
+    scene::{MaterialId, Object, TextureId},
 };
 use record::Recorder;
 
@@ -133,6 +133,8 @@ pub struct ExplainedHit<'s> {
     pub objects: Vec<&'s Object>,
     /// How it looks; `None` where it cannot be told.
     pub material: Option<MaterialId>,
+    /// The textures of its terms and what they are here.
+    pub textures: Vec<ExplainedTexture>,
     /// Ka.
     pub ambient: Color,
     /// Ke.
@@ -143,6 +145,19 @@ pub struct ExplainedHit<'s> {
     pub lights: Vec<LightTerm<'s>>,
     /// The rays that could go on: refracted, mirrored.
     pub branches: Vec<ExplainedBranch>,
+}
+
+/// A texture of a material's term where a ray met it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ExplainedTexture {
+    /// The term, as `material(#{ })` calls it: `diffuse`, `roughness`. One that takes two of them, such as `clearCoat`, may come
+    /// twice.
+    pub term: &'static str,
+    /// Which texture.
+    pub texture: TextureId,
+    /// What it is at the point. Where the term has a color beside the texture, as in `texture * 0.5`, that is left out.
+    pub value: Color,
 }
 
 impl ExplainedHit<'_> {

@@ -1,8 +1,8 @@
 //! The observer that writes everything down.
 
 use super::{
-    BranchOutcome, ExplainedAir, ExplainedBranch, ExplainedHit, ExplainedRay, LightSample, LightTerm,
-    Obstacle, RayKind,
+    BranchOutcome, ExplainedAir, ExplainedBranch, ExplainedHit, ExplainedRay, ExplainedTexture, LightSample,
+    LightTerm, Obstacle, RayKind,
 };
 use crate::{
     color::Color,
@@ -14,6 +14,7 @@ use crate::{
         observe::{Arrived, AtTheEnd, Observer},
         world::{Hit, SurfacePoint, World},
     },
+    scene::Term,
 };
 
 /// Writes down the rays of one sample.
@@ -43,6 +44,17 @@ impl<'w, 's> Recorder<'w, 's> {
         hit.branches.push(branch);
         Some(hit.branches.len() - 1)
     }
+}
+
+/// The textures of the terms of what is met.
+fn textures(world: &World<'_>, at: &SurfacePoint<'_>) -> Vec<ExplainedTexture> {
+    let of = at.material.textures().into_iter();
+    of.map(|(term, texture)| ExplainedTexture {
+        term,
+        texture,
+        value: world.term(&Term::texture(texture), at),
+    })
+    .collect()
 }
 
 impl Observer for Recorder<'_, '_> {
@@ -106,6 +118,7 @@ impl Observer for Recorder<'_, '_> {
             number: hit.number,
             objects: world.objects_of(hit.number),
             material: world.material_id(hit.number),
+            textures: textures(world, at),
             ambient: Color::ZERO,
             emission: Color::ZERO,
             direct: Color::ZERO,

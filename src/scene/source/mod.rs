@@ -16,7 +16,7 @@ use std::{
 use self::{
     calls::{Call, Load, Said},
     order::{NEVER, Order, next_uses},
-    textures::{is_named, terms},
+    textures::is_named,
 };
 pub(in crate::scene) use self::{
     camera::{adaptive, camera, crop, filter, lens, motion, shutter, stereo},
@@ -420,7 +420,8 @@ impl Writer<'_> {
             return Ok(());
         };
         self.material = Some(object.material);
-        let new: Vec<usize> = terms(material).into_iter().map(|id| id.index()).collect();
+        let textures = material.textures().into_iter();
+        let new: Vec<usize> = textures.map(|(_, id)| id.index()).collect();
         let mut numbers = self.next_texture;
         for i in new.iter().copied().filter(|i| *i >= self.next_texture) {
             numbers += usize::from(i == numbers);
@@ -543,7 +544,8 @@ impl Writer<'_> {
             .into_iter()
             .flat_map(|mesh| &mesh.face_materials);
         for id in faces {
-            for texture in scene.materials.get(id.index()).into_iter().flat_map(terms) {
+            let material = scene.materials.get(id.index());
+            for (_, texture) in material.into_iter().flat_map(Material::textures) {
                 self.next_texture = self.next_texture.max(texture.index() + 1);
             }
         }

@@ -1,6 +1,6 @@
 //! Which textures a scene's materials name.
 
-use crate::scene::{LightKind, Material, MaterialId, Scene, Term, TextureId};
+use crate::scene::{LightKind, Material, MaterialId, Scene};
 
 /// For each texture whether objects name it themselves, or nothing does: not those that only files bring.
 pub(super) fn is_named(scene: &Scene) -> Vec<bool> {
@@ -14,7 +14,8 @@ pub(super) fn is_named(scene: &Scene) -> Vec<bool> {
                 continue;
             };
             *known = true;
-            for texture in scene.materials.get(id.index()).into_iter().flat_map(terms) {
+            let material = scene.materials.get(id.index());
+            for (_, texture) in material.into_iter().flat_map(Material::textures) {
                 if let Some(used) = is_used.get_mut(texture.index()) {
                     *used = true;
                 }
@@ -54,23 +55,4 @@ pub(super) fn is_named(scene: &Scene) -> Vec<bool> {
     }
     let both = by_objects.into_iter().zip(by_faces);
     both.map(|(by_object, by_face)| by_object || !by_face).collect()
-}
-
-/// Textures of a material in the order in which `material(#{ })` looks at its terms: that of their keys.
-pub(super) fn terms(material: &Material) -> Vec<TextureId> {
-    let of = |term: Term| term.texture;
-    let mut all = vec![
-        ("ambient", of(material.ambient)),
-        ("diffuse", of(material.diffuse)),
-        ("emission", of(material.emission)),
-        ("reflection", material.reflection.and_then(of)),
-        ("specular", of(material.specular)),
-        ("transmission", of(material.transmission)),
-    ];
-    if let Some(finish) = &material.finish {
-        all.extend(finish.textures());
-    }
-    // Those of one key stay in their order.
-    all.sort_by_key(|(key, _)| *key);
-    all.into_iter().filter_map(|(_, texture)| texture).collect()
 }
