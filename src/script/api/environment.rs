@@ -61,7 +61,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         ]])
         .doc("A clear sky by Preetham, Shirley and Smits (1999) as the environment, and its sun as a directional light with soft shadows, in the colors that the air leaves of it. A white floor under a high sun has about 1; the sun's disk itself is not seen.")
         .usage("daylight([1, 1, 0.5], 3)")
-        .example("samples(4);\nsampler(\"sobol\");\ncamera([0, 2, 6], [0, 0.8, 0], [0, 1, 0], 36);\ndaylight([-1, 0.35, 0.4], 4, #{ n: 3 });\nambient(0, 0, 0);\ndiffuse(0.7, 0.7, 0.65);\nplane();\ndiffuse(0.8, 0.8, 0.8);\nsphere(-0.9, 0.8, 0, 0.8);\ndiffuse(0.05, 0.05, 0.05); specular(0.8, 0.8, 0.8); shininess(400);\nsphere(0.9, 0.8, 0, 0.8);")
+        .example("samples(4);\nsampler(\"sobol\");\ncamera([0, 2, 6], [0, 0.8, 0], [0, 1, 0], 36);\ndaylight([-1, 0.35, 0.4], 4, #{ n: 2 });\nambient(0, 0, 0);\ndiffuse(0.7, 0.7, 0.65);\nplane();\ndiffuse(0.8, 0.8, 0.8);\nsphere(-0.9, 0.8, 0, 0.8);\ndiffuse(0.05, 0.05, 0.05); specular(0.8, 0.8, 0.8); shininess(400);\nsphere(0.9, 0.8, 0, 0.8);")
         .also(&["sunSky", "sunsky", "preetham", "nishita", "hosek", "skyTexture", "sun and sky"]),
     Entry::scene(Group::Lights, "ambientOcclusion", ambient_occlusion)
         .takes(&[&[

@@ -70,7 +70,7 @@ pub(super) const ENTRIES: &[Entry] = &[
             int("n", "points per edge", GRID),
             map("options", FALLOFF).keys(&SURFACE_OPTIONS).or("#{}"),
         ]])
-        .doc("Triangles that shine and cast soft shadows, each part as bright as its area is large: n x n points on all of them together. The mesh is not seen itself; mesh(data) in a material with emission shows it.")
+        .doc("Triangles that shine and cast soft shadows, each part as bright as its area is large: n x n points on all of them together. The mesh is not seen itself; mesh(data) in a material with emission shows it, in mirrors beside the highlight.")
         .usage("meshLight(#{ positions: [[0, 3, 0], [1, 3, 0], [0, 3, 1]] }, [1, 1, 1], 4)")
         .example("camera([0, 2.5, 6], [0, 0.7, 0], [0, 1, 0], 36);\nambient(0.05, 0.05, 0.06);\ndiffuse(0.8, 0.8, 0.75);\nplane();\nlet star = #{ positions: [[0, 3, 0], [0.3, 2.6, 0.4], [-0.3, 2.6, 0.4], [1.2, 3, 0.8], [-1.2, 3, 0.8], [0, 3, -1]], indices: [0, 1, 2, 0, 3, 1, 0, 2, 4, 0, 5, 3, 0, 4, 5] };\nmeshLight(star, [0.9, 0.8, 0.6], 5);\ngroup { ambient(1, 0.9, 0.7); mesh(star); }\ndiffuse(0.2, 0.5, 0.4);\nsphere(0, 0.6, 0, 0.6);")
         .also(&["emissiveMesh", "geometryLight", "triangleLight"]),
