@@ -528,3 +528,53 @@ fn pictures_on_floors_stay_sharp_where_pixels_are_told_what_they_cover() {
         );
     }
 }
+
+/// The middle of a pixel in a picture whose edges are those of the square from -1 to 1.
+fn place(pixel: u32, pixels: u32) -> f64 {
+    2.0 * (f64::from(pixel) + 0.5) / f64::from(pixels) - 1.0
+}
+
+#[test]
+fn colors_of_vertices_are_linear_over_a_triangle() {
+    const N: u32 = 16;
+    let head = format!("size({N}, {N}); ambient(0, 0, 0); orthographic([0, 0, 5], [0, 0, 0], [0, 1, 0], 2);");
+    // Red grows to the right and blue upwards, so that both halves of the square say the same.
+    let square = "#{ positions: [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], indices: [0, 1, 2, 0, 2, 3],
+        uvs: [[0, 0], [0, 0], [0, 0], [0, 0]], colors: [[0, 0.5, 0], [1, 0.5, 0], [1, 0.5, 1], [0, 0.5, 1]] }";
+    for (scene, tint) in [
+        (format!("emission(vertexColors()); mesh({square});"), 1.0),
+        (format!("emission(vertexColors() * 0.5); mesh({square});"), 0.5),
+        // Wherever the square comes from, its colors go with it.
+        (
+            format!("emission(vertexColors()); define \"s\" {{ scale(0.5); mesh({square}); }} scale(2); instance(\"s\");"),
+            1.0,
+        ),
+        (
+            "emission(vertexColors()); subdivide(#{ positions: [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]],
+                 faces: [[0, 1, 2, 3]], creases: [[0, 1, 9], [1, 2, 9], [2, 3, 9], [3, 0, 9]],
+                 colors: [[0, 0.5, 0], [1, 0.5, 0], [1, 0.5, 1], [0, 0.5, 1]] }, 0);"
+                .to_owned(),
+            1.0,
+        ),
+    ] {
+        let image = render(&format!("{head} {scene}")).image;
+        for y in 0..N {
+            for x in 0..N {
+                let found = image.pixel(x, y).unwrap();
+                let (right, up) = (0.5 + 0.5 * place(x, N), 0.5 - 0.5 * place(y, N));
+                let expected = DVec3::new(right, 0.5, up) * tint;
+                assert!(
+                    (found - expected).abs().max_element() < 1e-6,
+                    "{found} for {expected} at {x} {y}: {scene}"
+                );
+            }
+        }
+    }
+    // What has no colors is white, and so is a triangle that lacks one.
+    let lacking = square.replace("uvs:", "colorIndices: [0, 1, 2, 0, -1, 3], uvs:");
+    let image = render(&format!("{head} emission(vertexColors()); mesh({lacking});")).image;
+    assert_eq!(image.pixel(1, 3).unwrap(), DVec3::ONE);
+    assert!(image.pixel(14, 12).unwrap().x < 1.0);
+    let image = render(&format!("{head} emission(vertexColors()); sphere(0, 0, 0, 3);")).image;
+    assert_eq!(image.pixel(8, 8).unwrap(), DVec3::ONE);
+}

@@ -1,7 +1,8 @@
 //! Meshes from lists of numbers, as scripts and programs give them.
 
 use crate::{
-    math::{DVec2, DVec3},
+    color::Color,
+    math::{DVec2, DVec3, max_abs},
     scene::{Attribute, Mesh, SceneError},
 };
 
@@ -88,6 +89,33 @@ pub fn set_uvs(mesh: &mut Mesh, uvs: Vec<DVec2>, indices: &[i64]) -> Result<(), 
     mesh.uvs = Some(Attribute {
         indices: own_indices(mesh, "uv", indices, uvs.len())?,
         values: uvs,
+    });
+    Ok(())
+}
+
+/// Gives a mesh scene-linear colors: one for each position, or with `indices` of their own, three a triangle, -1 where a
+/// corner has none, as for [`set_normals`]. [`Texture::VertexColors`](crate::scene::Texture::VertexColors) shows them; the
+/// corners of a triangle of which one has no color are white.
+///
+/// # Errors
+/// Where there are not as many colors as positions, or indices as corners, an index is not that of a color, or a color is
+/// negative, not finite or beyond 1e15.
+pub fn set_colors(mesh: &mut Mesh, colors: Vec<Color>, indices: Option<&[i64]>) -> Result<(), SceneError> {
+    let is_wrong = |c: &Color| !(c.is_finite() && c.min_element() >= 0.0 && max_abs(*c) <= 1e15);
+    if let Some((i, color)) = colors.iter().enumerate().find(|(_, c)| is_wrong(c)) {
+        return Err(SceneError::new(format!(
+            "color {i} of the mesh must be finite numbers from 0 to 1e15, not {color}"
+        )));
+    }
+    mesh.colors = Some(match indices {
+        Some(indices) => Attribute {
+            indices: own_indices(mesh, "color", indices, colors.len())?,
+            values: colors,
+        },
+        None => {
+            check_count("colors", colors.len(), mesh.positions.len())?;
+            at_the_corners(mesh, colors)
+        }
     });
     Ok(())
 }
@@ -232,6 +260,35 @@ mod tests {
             message(set_normals(&mut mesh, vec![DVec3::ZERO], &[0; 6])),
             "normal 0 of the mesh is zero"
         );
+    }
+
+    #[test]
+    fn colors_are_those_of_positions_or_of_corners() {
+        let mut mesh = mesh_from_arrays(square(), Some(&[0, 1, 2, 0, 2, 3]), None, None).unwrap();
+        let colors = vec![Color::X, Color::Y, Color::Z, Color::ONE];
+        set_colors(&mut mesh, colors, None).unwrap();
+        let corners = |mesh: &Mesh, face| mesh.colors.as_ref().unwrap().corners(face);
+        assert_eq!(corners(&mesh, 1), Some([Color::X, Color::Z, Color::ONE]));
+        set_colors(&mut mesh, vec![Color::Y], Some(&[0, 0, 0, 0, -1, 0])).unwrap();
+        assert_eq!(
+            (corners(&mesh, 0), corners(&mesh, 1)),
+            (Some([Color::Y; 3]), None)
+        );
+        let mut message = |colors, indices| set_colors(&mut mesh, colors, indices).unwrap_err().message;
+        assert_eq!(
+            message(vec![Color::X; 3], None),
+            "the mesh has 3 colors for 4 positions; expected one for each"
+        );
+        assert_eq!(
+            message(vec![Color::X], Some(&[0; 5])),
+            "the mesh has 5 color indices for 2 triangles; expected 6"
+        );
+        for bad in [-0.1, f64::NAN, f64::INFINITY, 2e15] {
+            assert_eq!(
+                message(vec![Color::X, Color::new(0.0, bad, 1.0)], None),
+                format!("color 1 of the mesh must be finite numbers from 0 to 1e15, not [0, {bad}, 1]")
+            );
+        }
     }
 
     #[test]

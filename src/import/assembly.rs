@@ -31,6 +31,12 @@ pub(super) fn mesh<'a>(
     builder: &mut Builder,
 ) -> Result<Mesh, Diagnostic> {
     let mut corners = checked.corners;
+    // Before the corners' positions are numbered anew: colors take the same order.
+    let mut of_colors: Vec<u32> = match checked.colors.is_empty() {
+        true => Vec::new(),
+        false => corners.iter().map(|corner| corner.position).collect(),
+    };
+    let colors = in_order_of_use(&checked.colors, |_| true, of_colors.iter_mut());
     let positions = in_order_of_use(
         &checked.positions,
         |_| true,
@@ -94,12 +100,17 @@ pub(super) fn mesh<'a>(
         indices: triangles.indices(|corner| corner.uv),
     });
     let faces = triangles.indices(|corner| corner.position);
+    let colors = (!colors.is_empty()).then(|| Attribute {
+        values: colors,
+        indices: faces.clone(),
+    });
     let mesh = Mesh::new(source.name, positions, faces);
     let mut mesh = mesh.map_err(|SceneError { message, .. }| {
         Diagnostic::error(ErrorKind::Internal, message).at(source.name, 0, 0)
     })?;
     mesh.normals = normals;
     mesh.uvs = uvs;
+    mesh.colors = colors;
     mesh.face_materials = face_materials;
     Ok(mesh)
 }

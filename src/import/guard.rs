@@ -11,6 +11,7 @@ use super::{
     wavefront::{Statement, Unused, statements},
 };
 use crate::{
+    color::Color,
     diag::{Diagnostic, nearest_names},
     math::{DVec2, DVec3},
     scene::SceneError,
@@ -25,6 +26,8 @@ pub(super) struct Checked<'a> {
     pub(super) uvs: Vec<DVec2>,
     /// `vn`, of any length.
     pub(super) normals: Vec<DVec3>,
+    /// Scene-linear colors of the positions, one for each; or none.
+    pub(super) colors: Vec<Color>,
     /// The corners of all faces, face after face.
     pub(super) corners: Vec<Corner>,
     /// The faces in order.

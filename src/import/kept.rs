@@ -4,6 +4,7 @@
 //! refuses what a run without does; only decoding and parsing are spared.
 
 use std::{
+    collections::BTreeSet,
     ops::Range,
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
@@ -71,6 +72,8 @@ pub(super) struct Gltf {
     pub(super) ids: Vec<MaterialId>,
     /// The numbers of the file's materials that are used.
     pub(super) materials: Vec<usize>,
+    /// Those of them that a primitive with colors has.
+    pub(super) colored: BTreeSet<usize>,
     /// The files of its buffers and hashes of them.
     pub(super) files: Vec<(String, blake3::Hash)>,
     /// What was said of the file itself.
@@ -239,7 +242,13 @@ fn size_of_mesh(mesh: &Mesh, slots: &[MaterialId]) -> usize {
     let corners = 12 * mesh.triangles.len();
     let of_normals = mesh.normals.as_ref().map_or(0, |n| 24 * n.values.len() + corners);
     let of_uvs = mesh.uvs.as_ref().map_or(0, |n| 16 * n.values.len() + corners);
-    24 * mesh.positions.len() + corners + of_normals + of_uvs + 4 * (mesh.face_materials.len() + slots.len())
+    let of_colors = mesh.colors.as_ref().map_or(0, |c| 24 * c.values.len() + corners);
+    24 * mesh.positions.len()
+        + corners
+        + of_normals
+        + of_uvs
+        + of_colors
+        + 4 * (mesh.face_materials.len() + slots.len())
 }
 
 fn that_count(limits: &Limits) -> (usize, u32, u64) {

@@ -28,7 +28,7 @@ mod text;
 mod texture;
 mod wavefront;
 
-pub use arrays::{mesh_from_arrays, set_normals, set_uvs};
+pub use arrays::{mesh_from_arrays, set_colors, set_normals, set_uvs};
 pub use assets::{AssetCache, Assets};
 pub use convert::script_from_course;
 pub use course::{Course, further_errors as further_course_errors, load_course};

@@ -259,6 +259,12 @@ fn load(
             mesh
         }
     };
+    if plain.is_some() && mesh.colors.is_some() && !builder.shows_vertex_colors() {
+        let source = Source::new(path, "", ErrorKind::Input);
+        let message = "the colors of the vertices are not used".to_owned();
+        let hint = "diffuse(vertexColors()) before it shows them";
+        warn_at(&source, source.text, builder, message, Some(hint));
+    }
     assets.keep_mesh(path, light, &mesh);
     Ok(mesh)
 }

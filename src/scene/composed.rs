@@ -127,6 +127,7 @@ impl PlacedTexture {
                         .map(|v| DVec2::new(v.x, v.y)),
                 }
             }),
+            color: point.color,
         })
     }
 }

@@ -378,6 +378,7 @@ fn write_texture(line: &mut String, scene: &Scene, texture: &Texture) -> fmt::Re
             )
         }
         Texture::Custom(texture) => write!(line, "custom {texture:?}"),
+        Texture::VertexColors => line.write_str("vertex colors"),
         Texture::Pattern(_) | Texture::Mix(_) | Texture::Placed(_) | Texture::Mapped(_) => {
             let name = |part: &Arc<Texture>| Some(format!("texture_{}", scene.texture_number(part)?));
             line.write_str(&texture.call(&name))
@@ -419,6 +420,17 @@ fn write_mesh(line: &mut String, mesh: &Mesh) -> fmt::Result {
             uvs.values.iter().flat_map(|t| t.to_array()).map(f64::to_bits),
         );
         update(&mut hasher, uvs.indices.iter().flatten().map(|&i| u64::from(i)));
+    }
+    if let Some(colors) = &mesh.colors {
+        write!(line, " colors {}", colors.values.len())?;
+        update(
+            &mut hasher,
+            colors.values.iter().flat_map(|c| c.to_array()).map(f64::to_bits),
+        );
+        update(
+            &mut hasher,
+            colors.indices.iter().flatten().map(|&i| u64::from(i)),
+        );
     }
     if !mesh.face_materials.is_empty() {
         let mut used: Vec<_> = mesh.face_materials.clone();

@@ -425,6 +425,7 @@ impl Digest {
                 self.int(2);
                 self.text(&texture.identity());
             }
+            Texture::VertexColors => self.int(4),
             // Their numbers are in the text as the shortest that read back as the same.
             Texture::Pattern(_) | Texture::Mix(_) | Texture::Placed(_) | Texture::Mapped(_) => {
                 self.int(3);
@@ -440,6 +441,7 @@ impl Digest {
             triangles,
             normals,
             uvs,
+            colors,
             face_materials,
         } = mesh;
         self.each(positions, |d, p| d.vector(*p));
@@ -451,6 +453,11 @@ impl Digest {
             d.attribute(uvs, |d, uv: &DVec2| d.floats(uv.to_array()));
         });
         self.each(face_materials, |d, id| d.int(u64::from(id.0)));
+        // Nothing where there are none: what is older keeps its hash.
+        if let Some(colors) = colors {
+            self.text("colors");
+            self.attribute(colors, |d, color: &DVec3| d.vector(*color));
+        }
     }
 
     fn attribute<T>(&mut self, attribute: &Attribute<T>, write: impl Fn(&mut Self, &T)) {

@@ -372,6 +372,7 @@ mod tests {
                 normal,
                 width: [0.0; 2],
                 footprint: None,
+                color: None,
             })
         }
     }

@@ -1,6 +1,7 @@
 //! Triangle meshes.
 
 use crate::{
+    color::Color,
     math::{Bounds3, DVec2, DVec3},
     scene::{MaterialId, SceneError},
 };
@@ -52,6 +53,8 @@ pub struct Mesh {
     pub normals: Option<Attribute<DVec3>>,
     /// Texture coordinates at the corners.
     pub uvs: Option<Attribute<DVec2>>,
+    /// Scene-linear colors at the corners, which [`Texture::VertexColors`](super::Texture::VertexColors) shows.
+    pub colors: Option<Attribute<Color>>,
     /// Material of each triangle, or empty where all look as the object that places the mesh.
     pub face_materials: Vec<MaterialId>,
 }
@@ -84,6 +87,7 @@ impl Mesh {
             triangles,
             normals: None,
             uvs: None,
+            colors: None,
             face_materials: Vec::new(),
         })
     }

@@ -43,6 +43,9 @@ pub enum Texture {
     Placed(Box<PlacedTexture>),
     /// See [`MappedImage`].
     Mapped(Box<MappedImage>),
+    /// The colors at the corners of a mesh's triangles, mixed between them by their shares of the triangle (barycentric
+    /// coordinates); see [`Mesh::colors`](super::Mesh::colors). White on whatever has none.
+    VertexColors,
 }
 
 /// A point of a surface, as textures see it.
@@ -73,6 +76,8 @@ pub struct TexturePoint {
     pub width: [f64; 2],
     /// What a pixel covers there, where it is known that precisely.
     pub footprint: Option<Footprint>,
+    /// The scene-linear color that the corners of a mesh give the point, where they have colors.
+    pub color: Option<Color>,
 }
 
 /// What a pixel covers of a surface: an ellipse, by two vectors from side to side through its middle. Of a surface that is looked
@@ -135,6 +140,7 @@ impl Texture {
             normal: DVec3::ZERO,
             width: [0.0; 2],
             footprint: None,
+            color: None,
         })
     }
 
@@ -149,6 +155,7 @@ impl Texture {
             Self::Mix(mix) => mix.at(point),
             Self::Placed(placed) => placed.at(point),
             Self::Mapped(image) => image.at(point),
+            Self::VertexColors => point.color.unwrap_or(Color::ONE),
             Self::Checker { even, odd, size } => {
                 // Half a millionth of a cube inwards, so that a face in the plane of a boundary takes one color
                 // instead of rounding noise.
@@ -161,6 +168,14 @@ impl Texture {
 }
 
 impl Texture {
+    /// [`Texture::VertexColors`]: the same one for all who ask, so that a scene has it once.
+    #[must_use]
+    pub fn vertex_colors() -> Arc<Self> {
+        static SHARED: std::sync::LazyLock<Arc<Texture>> =
+            std::sync::LazyLock::new(|| Arc::new(Texture::VertexColors));
+        Arc::clone(&SHARED)
+    }
+
     /// A pattern in the space of the shape.
     ///
     /// # Errors
@@ -203,6 +218,11 @@ impl Texture {
         }
     }
 
+    /// True where it shows the colors of vertices.
+    pub(crate) fn shows_vertex_colors(&self) -> bool {
+        matches!(self, Self::VertexColors) || self.parts().into_iter().any(|part| part.shows_vertex_colors())
+    }
+
     /// True where it matters to it what exactly a pixel covers.
     pub(crate) fn asks_for_footprint(&self) -> bool {
         match self {
@@ -214,7 +234,7 @@ impl Texture {
     /// How much there is to look up at a point.
     pub(super) fn size(&self) -> Size {
         match self {
-            Self::Image(_) | Self::Checker { .. } | Self::Custom(_) => Size::ONE,
+            Self::Image(_) | Self::Checker { .. } | Self::Custom(_) | Self::VertexColors => Size::ONE,
             Self::Pattern(pattern) => pattern.size(),
             Self::Mix(mix) => mix.size(),
             Self::Placed(placed) => placed.size(),
@@ -225,7 +245,7 @@ impl Texture {
     /// The pictures and textures that it looks up itself.
     pub(super) fn parts(&self) -> Vec<&Arc<Self>> {
         match self {
-            Self::Image(_) | Self::Checker { .. } | Self::Custom(_) => Vec::new(),
+            Self::Image(_) | Self::Checker { .. } | Self::Custom(_) | Self::VertexColors => Vec::new(),
             Self::Pattern(pattern) => {
                 let entries = pattern.pattern().colors.entries().iter();
                 entries.filter_map(|(_, paint)| paint.texture.as_ref()).collect()

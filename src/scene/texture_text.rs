@@ -22,6 +22,7 @@ impl Texture {
                 format!("checker({}, {}, {})", Vector(*even), Vector(*odd), Number(*size))
             }
             Self::Custom(texture) => format!("customTexture({})", Text(&texture.identity())),
+            Self::VertexColors => "vertexColors()".to_owned(),
             Self::Pattern(pattern) => pattern_call(pattern.pattern(), name),
             Self::Mix(mix) => {
                 let [a, b, mask] = mix.paints().map(|paint| paint_text(paint, name));

@@ -63,6 +63,7 @@ impl fmt::Display for TextureValue {
             Texture::Mix(_) => write!(f, "texture(mixed)"),
             Texture::Placed(_) => write!(f, "texture(placed)"),
             Texture::Mapped(_) => write!(f, "texture(image)"),
+            Texture::VertexColors => write!(f, "texture(vertexColors)"),
         }
     }
 }

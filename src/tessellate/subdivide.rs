@@ -1,9 +1,13 @@
 //! Subdivision surfaces: Catmull-Clark for polygons, Loop for triangles.
 
-use std::collections::BTreeMap;
+use std::{
+    collections::BTreeMap,
+    ops::{Add, Div},
+};
 
 use super::{Allowance, allowance::STEPS_PER_QUESTION};
 use crate::{
+    color::Color,
     math::{self, DVec2, DVec3, PI},
     scene::{Attribute, Mesh, SceneError},
 };
@@ -40,6 +44,8 @@ pub struct Cage {
     /// Texture coordinates of each face, one for each of its corners or none; empty where no face has any. They are divided
     /// within each face, linearly, so that seams stay where they are.
     pub uvs: Vec<Vec<DVec2>>,
+    /// Scene-linear colors of each face, in the same form and divided in the same way.
+    pub colors: Vec<Vec<Color>>,
     /// Edges that stay sharp: their two ends, and for how many levels. Edges at the rim always do.
     pub creases: Vec<([u32; 2], f64)>,
     /// How often faces are divided, at most 8.
@@ -56,13 +62,14 @@ const MOST_TRIANGLES: usize = 4_000_000;
 const MOST_LEVELS: u32 = 8;
 
 impl Cage {
-    /// A cage without creases and texture coordinates.
+    /// A cage without creases, texture coordinates and colors.
     #[must_use]
     pub const fn new(positions: Vec<DVec3>, faces: Vec<Vec<u32>>, levels: u32) -> Self {
         Self {
             positions,
             faces,
             uvs: Vec::new(),
+            colors: Vec::new(),
             creases: Vec::new(),
             levels,
             scheme: Scheme::Auto,
@@ -74,7 +81,7 @@ impl Cage {
     ///
     /// # Errors
     /// Where there are no faces, one has fewer than three corners, a corner twice or one that there is not, three faces meet
-    /// at an edge or two run along it the same way, a crease is no edge, texture coordinates are not as many as corners, or the
+    /// at an edge or two run along it the same way, a crease is no edge, texture coordinates or colors are not as many as corners, or the
     /// triangles are too many.
     pub fn mesh(&self, allowance: &Allowance<'_>) -> Result<Mesh, SceneError> {
         let is_loop = self.check()?;
@@ -97,6 +104,7 @@ impl Cage {
             positions: self.positions.clone(),
             faces: self.faces.clone(),
             uvs: self.uvs.clone(),
+            colors: self.colors.clone(),
             creases: self
                 .creases
                 .iter()
@@ -159,7 +167,12 @@ impl Cage {
             )));
         }
         if !self.uvs.is_empty() {
+            self.check_count(&self.uvs, "texture coordinates")?;
             self.check_uvs()?;
+        }
+        if !self.colors.is_empty() {
+            self.check_count(&self.colors, "colors")?;
+            self.check_colors()?;
         }
         if let Some(([a, b], sharpness)) = self.creases.iter().find(|(_, s)| !(*s >= 0.0)) {
             return Err(SceneError::new(format!(
@@ -180,21 +193,39 @@ impl Cage {
 }
 
 impl Cage {
-    fn check_uvs(&self) -> Result<(), SceneError> {
-        let (given, wanted) = (self.uvs.len(), self.faces.len());
+    fn check_count<T>(&self, values: &[Vec<T>], what: &str) -> Result<(), SceneError> {
+        let (given, wanted) = (values.len(), self.faces.len());
         if given != wanted {
             return Err(SceneError::new(format!(
-                "there are texture coordinates for {given} faces; expected {wanted}"
+                "there are {what} for {given} faces; expected {wanted}"
             )));
         }
-        for (i, (uvs, face)) in self.uvs.iter().zip(&self.faces).enumerate() {
-            if !uvs.is_empty() && uvs.len() != face.len() {
+        for (i, (values, face)) in values.iter().zip(&self.faces).enumerate() {
+            if !values.is_empty() && values.len() != face.len() {
                 return Err(SceneError::new(format!(
-                    "face {i} has {} corners and {} texture coordinates; expected as many",
+                    "face {i} has {} corners and {} {what}; expected as many",
                     face.len(),
-                    uvs.len()
+                    values.len()
                 )));
             }
+        }
+        Ok(())
+    }
+
+    fn check_colors(&self) -> Result<(), SceneError> {
+        let is_wrong = |c: &Color| !(c.is_finite() && c.min_element() >= 0.0 && math::max_abs(*c) <= 1e15);
+        for (i, colors) in self.colors.iter().enumerate() {
+            if let Some(color) = colors.iter().find(|c| is_wrong(c)) {
+                return Err(SceneError::new(format!(
+                    "a color of face {i} must be finite numbers from 0 to 1e15, not {color}"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_uvs(&self) -> Result<(), SceneError> {
+        for (i, uvs) in self.uvs.iter().enumerate() {
             if uvs
                 .iter()
                 .any(|uv| !(uv.is_finite() && uv.abs().max_element() <= 1e15))
@@ -220,6 +251,8 @@ struct Net {
     faces: Vec<Vec<u32>>,
     /// As [`Cage::uvs`].
     uvs: Vec<Vec<DVec2>>,
+    /// As [`Cage::colors`].
+    colors: Vec<Vec<Color>>,
     creases: BTreeMap<Edge, f64>,
 }
 
@@ -437,14 +470,17 @@ impl Net {
         Ok(Self {
             positions,
             faces,
-            uvs: self
-                .faces
-                .iter()
-                .zip(&self.uvs)
-                .flat_map(|(face, uvs)| divided_uvs(face.len(), uvs, is_loop))
-                .collect(),
+            uvs: self.divided_values(&self.uvs, is_loop),
+            colors: self.divided_values(&self.colors, is_loop),
             creases,
         })
+    }
+
+    /// What each face has at its corners, divided as the faces are.
+    fn divided_values<T: Linear>(&self, values: &[Vec<T>], is_loop: bool) -> Vec<Vec<T>> {
+        let each = self.faces.iter().zip(values);
+        each.flat_map(|(face, values)| divided(face.len(), values, is_loop))
+            .collect()
     }
 
     /// Where endless division would bring the corners.
@@ -508,32 +544,26 @@ impl Net {
                 }
             }
         }
-        let (mut triangles, mut corners, mut uvs) = (Vec::new(), Vec::new(), Vec::new());
-        let mut first_uv = 0;
+        let (mut triangles, mut corners) = (Vec::new(), Vec::new());
+        let (mut uvs, mut colors) = (AtCorners::new(&self.uvs), AtCorners::new(&self.colors));
         for (i, (face, ids)) in self.faces.iter().zip(&ids).enumerate() {
             let points: Vec<DVec3> = face.iter().map(|corner| self.at(*corner)).collect();
-            let own_uvs = self.uvs.get(i);
             for t in crate::shape::triangulate(&points) {
                 triangles.push(t.map(|i| face.get(i).copied().unwrap_or(0)));
                 corners.push(t.map(|i| ids.get(i).copied().unwrap_or(0)));
-                if let Some(own) = own_uvs {
-                    let none = Attribute::<DVec2>::NONE;
-                    uvs.push(t.map(|i| if i < own.len() { first_uv + i as u32 } else { none }));
-                }
+                uvs.add(i, t);
+                colors.add(i, t);
             }
-            first_uv += own_uvs.map_or(0, Vec::len) as u32;
+            uvs.next(i);
+            colors.next(i);
         }
         let mut mesh = Mesh::new("subdivide", self.positions.clone(), triangles)?;
         mesh.normals = Some(Attribute {
             values: normals,
             indices: corners,
         });
-        if !uvs.is_empty() {
-            mesh.uvs = Some(Attribute {
-                values: self.uvs.concat(),
-                indices: uvs,
-            });
-        }
+        mesh.uvs = uvs.attribute();
+        mesh.colors = colors.attribute();
         Ok(mesh)
     }
 
@@ -579,12 +609,63 @@ impl Net {
     }
 }
 
-/// The texture coordinates of the faces that one of so many corners is divided into, in their order.
-fn divided_uvs(corners: usize, uvs: &[DVec2], is_loop: bool) -> Vec<Vec<DVec2>> {
-    if uvs.is_empty() {
+/// What may be mixed.
+trait Linear: Copy + Default + Add<Output = Self> + Div<f64, Output = Self> {}
+
+impl Linear for DVec2 {}
+impl Linear for Color {}
+
+/// What faces have at their corners, on its way to the corners of triangles.
+struct AtCorners<'n, T> {
+    values: &'n [Vec<T>],
+    /// The number of the first value of the face at hand.
+    first: u32,
+    indices: Vec<[u32; 3]>,
+}
+
+impl<'n, T: Linear> AtCorners<'n, T> {
+    fn new(values: &'n [Vec<T>]) -> Self {
+        Self {
+            values,
+            first: 0,
+            indices: Vec::new(),
+        }
+    }
+
+    /// Adds a triangle of the face at hand, by the places of its corners among those of the face.
+    fn add(&mut self, face: usize, corners: [usize; 3]) {
+        if let Some(own) = self.values.get(face) {
+            let none = Attribute::<T>::NONE;
+            let index = |i: usize| {
+                if i < own.len() {
+                    self.first + i as u32
+                } else {
+                    none
+                }
+            };
+            self.indices.push(corners.map(index));
+        }
+    }
+
+    /// Goes on behind a face.
+    fn next(&mut self, face: usize) {
+        self.first += self.values.get(face).map_or(0, Vec::len) as u32;
+    }
+
+    fn attribute(self) -> Option<Attribute<T>> {
+        (!self.indices.is_empty()).then(|| Attribute {
+            values: self.values.concat(),
+            indices: self.indices,
+        })
+    }
+}
+
+/// What the faces that one of so many corners is divided into have at their corners, in their order.
+fn divided<T: Linear>(corners: usize, values: &[T], is_loop: bool) -> Vec<Vec<T>> {
+    if values.is_empty() {
         return vec![Vec::new(); if is_loop { 4 } else { corners }];
     }
-    if let ([a, b, c], true) = (uvs, is_loop) {
+    if let ([a, b, c], true) = (values, is_loop) {
         let (a, b, c) = (*a, *b, *c);
         let (ab, bc, ca) = ((a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0);
         return vec![
@@ -594,12 +675,13 @@ fn divided_uvs(corners: usize, uvs: &[DVec2], is_loop: bool) -> Vec<Vec<DVec2>> 
             vec![ab, bc, ca],
         ];
     }
-    let count = uvs.len();
-    let center = uvs.iter().sum::<DVec2>() / count as f64;
-    let at = |i: usize| uvs.get(i % count).copied().unwrap_or_default();
+    let count = values.len();
+    let sum = values.iter().fold(T::default(), |sum, value| sum + *value);
+    let center = sum / count as f64;
+    let at = |i: usize| values.get(i % count).copied().unwrap_or_default();
     let corner = |i: usize| {
-        let (before, uv, next) = (at(i + count - 1), at(i), at(i + 1));
-        vec![uv, (uv + next) / 2.0, center, (before + uv) / 2.0]
+        let (before, value, next) = (at(i + count - 1), at(i), at(i + 1));
+        vec![value, (value + next) / 2.0, center, (before + value) / 2.0]
     };
     (0..count).map(corner).collect()
 }
@@ -680,6 +762,44 @@ mod tests {
             for (a, b) in few.positions.iter().zip(&many.positions) {
                 assert!((*a - *b).length() < 1e-12, "{a} {b}");
             }
+        }
+    }
+
+    #[test]
+    fn colors_are_divided_as_texture_coordinates_are() {
+        for (positions, faces) in [cube(), octahedron()] {
+            let of = |corner: &u32| DVec2::new(f64::from(*corner), f64::from(*corner * *corner));
+            let uvs: Vec<Vec<DVec2>> = faces.iter().map(|face| face.iter().map(of).collect()).collect();
+            let color = |uv: &DVec2| Color::new(uv.x, uv.y, 1.0);
+            let mut cage = Cage {
+                colors: uvs.iter().map(|face| face.iter().map(color).collect()).collect(),
+                uvs,
+                ..Cage::new(positions, faces, 2)
+            };
+            // One face has none.
+            cage.colors[3].clear();
+            let mesh = made(&cage);
+            let (uvs, colors) = (mesh.uvs.as_ref().unwrap(), mesh.colors.as_ref().unwrap());
+            let faces = mesh.triangles.len() / cage.faces.len();
+            for i in 0..mesh.triangles.len() {
+                let expected = uvs.corners(i).unwrap().map(|uv| color(&uv));
+                let expected = (i / faces != 3).then_some(expected);
+                assert_eq!(colors.corners(i), expected, "triangle {i}");
+            }
+            cage.colors[0][1].y = f64::NAN;
+            let error = |cage: &Cage| cage.check().unwrap_err().message;
+            assert!(
+                error(&cage).starts_with("a color of face 0 must be finite numbers from 0 to 1e15, not [")
+            );
+            cage.colors[0].pop();
+            assert!(error(&cage).starts_with("face 0 has "), "{}", error(&cage));
+            cage.colors.pop();
+            let wanted = format!(
+                "there are colors for {0} faces; expected {1}",
+                cage.faces.len() - 1,
+                cage.faces.len()
+            );
+            assert_eq!(error(&cage), wanted);
         }
     }
 

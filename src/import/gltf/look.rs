@@ -34,13 +34,13 @@ const READ: [&str; 8] = [
     "KHR_materials_dispersion",
 ];
 
-/// The materials of a file with these numbers.
+/// The materials of a file with these numbers, those that are `colored` times the colors of vertices.
 ///
 /// # Errors
 /// Where a number is out of its range or leads nowhere, or a picture cannot be read.
 pub(super) fn materials<'a>(
     root: &Item<'_, 'a>,
-    used: &[usize],
+    (used, colored): (&[usize], &BTreeSet<usize>),
     pictures: Pictures<'a, '_>,
     assets: &mut Assets<'_>,
     builder: &mut Builder,
@@ -57,6 +57,7 @@ pub(super) fn materials<'a>(
         pictures,
         assets,
         builder,
+        is_colored: false,
         warned: BTreeSet::new(),
     };
     let all = root.needed(MATERIAL.list)?;
@@ -64,6 +65,7 @@ pub(super) fn materials<'a>(
         look.assets.check_stop()?;
         let Some(item) = all.entry(*i)? else { continue };
         look.layer = Layer::of_material(root, Some(*i))?;
+        look.is_colored = colored.contains(i);
         let material = look.material(&item)?;
         ids.push(look.builder.material_id(&material));
     }
@@ -79,6 +81,8 @@ struct Look<'l, 'i, 'a, 's, 'h> {
     pictures: Pictures<'a, 's>,
     assets: &'l mut Assets<'h>,
     builder: &'l mut Builder,
+    /// Whether vertices with the material at hand have colors.
+    is_colored: bool,
     warned: BTreeSet<String>,
 }
 
@@ -224,6 +228,10 @@ impl<'a> Look<'_, '_, 'a, '_, '_> {
             texture: self
                 .texture(pbr, "baseColorTexture", Channel::Picture)?
                 .map(|found| found.texture),
+        };
+        let base = match self.is_colored {
+            true => product(&base, &Paint::texture(Texture::vertex_colors()), item)?,
+            false => base,
         };
         let alpha = self.alpha(item, pbr, solid)?;
         let emission = self.emission(item, extensions)?;

@@ -121,7 +121,7 @@ fn read(
     if let Some(known) = known.filter(|known| buffers.are_as_before(&known.files, assets)) {
         let ids = look::materials(
             &root,
-            &known.materials,
+            (&known.materials, &known.colored),
             Pictures::new(path, &buffers),
             assets,
             builder,
@@ -139,14 +139,20 @@ fn read(
     warn(&root, builder)?;
     let mut triangles = Triangles::new(&buffers, with_materials, assets);
     nodes::add_all(&root, &mut triangles, builder)?;
-    let (checked, materials) = (triangles.checked, triangles.materials);
+    let (checked, materials, colored) = (triangles.checked, triangles.materials, triangles.colored);
     if checked.faces.is_empty() {
         let error = Diagnostic::error(ErrorKind::Input, "the scene of the file has no triangles");
         return Err(error.at(path, 0, 0));
     }
     let mut mesh = assembly::mesh(&document.source, checked, assets, builder)?;
     let warnings = builder.warnings().get(before..).unwrap_or_default().to_vec();
-    let ids = look::materials(&root, &materials, Pictures::new(path, &buffers), assets, builder)?;
+    let ids = look::materials(
+        &root,
+        (&materials, &colored),
+        Pictures::new(path, &buffers),
+        assets,
+        builder,
+    )?;
     let slots = assets.kept().map(|_| mesh.face_materials.clone());
     set_materials(&mut mesh, &ids);
     let mesh = Arc::new(mesh);
@@ -156,6 +162,7 @@ fn read(
         slots,
         ids,
         materials,
+        colored,
         files: buffers.files(),
         warnings,
     });

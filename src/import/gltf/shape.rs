@@ -15,6 +15,7 @@ use super::{
     uv::Layer,
 };
 use crate::{
+    color::Color,
     diag::{Diagnostic, ErrorKind},
     math::{DAffine3, DVec2, DVec3},
     scene::{Builder, SceneError},
@@ -28,11 +29,18 @@ const UVS: Shape = Shape {
     kinds: &[("VEC2", 2)],
     is_index: false,
 };
+/// A fourth number, how solid the vertex is, is not used.
+const COLORS: Shape = Shape {
+    kinds: &[("VEC3", 3), ("VEC4", 4)],
+    is_index: false,
+};
 const INDICES: Shape = Shape {
     kinds: &[("SCALAR", 1)],
     is_index: true,
 };
 
+/// The largest number of a vertex's color: the format says 1 for shares, and floats may be more.
+const BRIGHTEST: f64 = 1e6;
 /// Triangles between two questions whether to stop.
 const TRIANGLES_PER_QUESTION: usize = 4096;
 
@@ -101,6 +109,8 @@ pub(super) struct Triangles<'a, 's, 'h> {
     pub(super) checked: Checked<'a>,
     /// The file's materials that are used, in the order of their first use.
     pub(super) materials: Vec<usize>,
+    /// Those of them that a primitive with colors has.
+    pub(super) colored: BTreeSet<usize>,
     slots: BTreeMap<usize, u32>,
     with_materials: bool,
     buffers: &'s Buffers<'a>,
@@ -114,6 +124,7 @@ impl<'a, 's, 'h> Triangles<'a, 's, 'h> {
         Self {
             checked: Checked::default(),
             materials: Vec::new(),
+            colored: BTreeSet::new(),
             slots: BTreeMap::new(),
             with_materials,
             buffers,
@@ -215,6 +226,15 @@ impl<'a, 's, 'h> Triangles<'a, 's, 'h> {
                 Some((uvs, number.to_string()))
             }
         };
+        let colors = match attributes.get("COLOR_0")? {
+            None => None,
+            Some(number) => {
+                let colors = accessor(&number, root, &COLORS, self.buffers, self.assets)?;
+                same_count(&number, &colors)?;
+                self.colored.extend(material);
+                Some((colors, number.to_string()))
+            }
+        };
         let indices = match primitive.get("indices")? {
             None => None,
             Some(number) => {
@@ -270,6 +290,7 @@ impl<'a, 's, 'h> Triangles<'a, 's, 'h> {
                 let known = places.place(vertex);
                 if *known == NOWHERE {
                     *known = self.vertex(&number, vertex, &positions, &normals, (&uvs, &layer), place)?;
+                    self.color(&number, vertex, &colors)?;
                 }
                 let [position, normal, uv] = *known;
                 *corner = Corner { position, uv, normal };
@@ -340,6 +361,40 @@ impl<'a, 's, 'h> Triangles<'a, 's, 'h> {
             at[2] = lists.uvs.len() as u32 - 1;
         }
         Ok(at)
+    }
+}
+
+impl<'a> Triangles<'a, '_, '_> {
+    /// Gives the vertex that was added last its color; white where it has none and others have.
+    fn color(
+        &mut self,
+        number: &Item<'_, 'a>,
+        i: usize,
+        colors: &Option<(Accessor<'_>, String)>,
+    ) -> Result<(), Diagnostic> {
+        let Checked {
+            positions,
+            colors: all,
+            ..
+        } = &mut self.checked;
+        let Some((colors, way)) = colors else {
+            if !all.is_empty() {
+                all.push(Color::ONE);
+            }
+            return Ok(());
+        };
+        let color: [f64; 3] = colors.element(i);
+        // Exporters round beyond the ends.
+        if !color.iter().all(|x| (-1e-3..=BRIGHTEST).contains(x)) {
+            let [r, g, b] = color;
+            let message = format!(
+                "{way}: the color {r}, {g}, {b} of vertex {i}; expected numbers from 0 to {BRIGHTEST}"
+            );
+            return Err(number.place(Diagnostic::error(ErrorKind::Input, message)));
+        }
+        all.resize(positions.len() - 1, Color::ONE);
+        all.push(Color::from_array(color).max(Color::ZERO));
+        Ok(())
     }
 }
 

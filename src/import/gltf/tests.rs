@@ -337,3 +337,119 @@ fn kept_meshes_go_by_all_their_files() {
     assert_eq!(kept.counts(), (2, 2));
     assert_eq!(run(&with(3.0)), (3.0, 4));
 }
+
+/// The quad with colors: 3 floats of each corner stand in the positions, so corner i has the color of its place.
+fn colored(attribute: &str, accessors: &str, materials: &str) -> String {
+    quad(r#"[{"mesh": 0}]"#, materials)
+        .replace(
+            r#""POSITION": 0}, "#,
+            &format!(r#""POSITION": 0, "COLOR_0": {attribute}}}, "material": 0, "#),
+        )
+        .replace(
+            r#""type": "SCALAR"}]"#,
+            &format!(r#""type": "SCALAR"}}{accessors}]"#),
+        )
+}
+
+#[test]
+fn colors_of_vertices_stand_as_they_are_given_and_tint_the_base() {
+    let plain = r#", "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 1, 1, 1], "metallicFactor": 0}}]"#;
+    let mesh = load(colored("0", "", plain));
+    let colors = mesh.colors.as_ref().unwrap();
+    assert_eq!(
+        colors.corners(1).unwrap().map(|c| c.to_array()),
+        [[0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]
+    );
+    // Normalized bytes: the first of the numbers of the positions are 0, 0, 0 and 0, 0, 0 and then 0, 0x80, 0x3f.
+    let bytes =
+        r#", {"bufferView": 0, "componentType": 5121, "normalized": true, "count": 4, "type": "VEC4"}"#;
+    let mesh = load(colored("2", bytes, plain));
+    let colors = mesh.colors.unwrap().values;
+    assert_eq!(colors[3].to_array(), [0.0, 0.0, 128.0 / 255.0]);
+    // The material shows them, in its color.
+    let (limits, mut cache, mut builder) = (Limits::untrusted(), AssetCache::default(), Builder::new());
+    let host = host(colored("0", "", plain));
+    let mesh = load_mesh(
+        "a.gltf",
+        &mut Assets::new(&host, &limits, &mut cache),
+        &mut builder,
+    )
+    .unwrap();
+    let scene = builder.finish().value;
+    let material = &scene.materials[mesh.face_materials[0].index()];
+    let texture = &scene.textures[material.diffuse.texture.unwrap().index()];
+    assert_eq!(**texture, crate::scene::Texture::VertexColors);
+    assert_eq!(material.diffuse.color.to_array(), [0.5, 1.0, 1.0]);
+    // Without materials the mesh has them all the same.
+    let shape = load_mesh_shape(
+        "a.gltf",
+        &mut Assets::new(&host, &limits, &mut cache),
+        &mut Builder::new(),
+    );
+    assert!(shape.unwrap().colors.is_some());
+}
+
+#[test]
+fn vertices_without_colors_are_white_beside_others() {
+    let two = colored("0", "", r#", "materials": [{}]"#).replace(
+        r#""primitives": ["#,
+        r#""primitives": [{"attributes": {"POSITION": 0}, "indices": 1}, "#,
+    );
+    let colors = load(two).colors.unwrap();
+    assert_eq!(colors.corners(0).unwrap(), [crate::color::Color::ONE; 3]);
+    assert_eq!(colors.corners(2).unwrap()[1].to_array(), [1.0, 0.0, 0.0]);
+    assert_eq!(load(quad(r#"[{"mesh": 0}]"#, "")).colors, None);
+}
+
+#[test]
+fn wrong_colors_are_refused_with_their_place() {
+    let message = |attribute: &str, accessors: &str| {
+        let error = load_from(&host(colored(attribute, accessors, r#", "materials": [{}]"#))).unwrap_err();
+        assert_eq!(error.file.as_deref(), Some("a.gltf"));
+        assert!(error.line > 0, "{error}");
+        error.message
+    };
+    for (attribute, accessors, wanted) in [
+        ("9", "", "COLOR_0"),
+        ("1", "", "expected VEC3 or VEC4"),
+        (
+            "2",
+            r#", {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC4"}"#,
+            "the accessor has 3 elements, and POSITION 4",
+        ),
+    ] {
+        let message = message(attribute, accessors);
+        assert!(message.contains(wanted), "{message}");
+    }
+    // Not a number, in the second corner.
+    let host = MemoryHost::new()
+        .with(
+            "a.gltf",
+            colored(
+                "2",
+                r#", {"bufferView": 2, "componentType": 5126, "count": 4, "type": "VEC3"}"#,
+                r#", "materials": [{}]"#,
+            )
+            .replace(
+                r#""byteLength": 6}]"#,
+                r#""byteLength": 6}, {"buffer": 1, "byteLength": 48}]"#,
+            )
+            .replace(
+                r#""uri": "a.bin"}"#,
+                r#""uri": "a.bin"}, {"byteLength": 48, "uri": "b.bin"}"#,
+            ),
+        )
+        .with("a.bin", quad_bytes());
+    for (bad, shown) in [
+        (f32::NAN, "NaN"),
+        (-0.5, "-0.5"),
+        (f32::INFINITY, "inf"),
+        (2e6, "2000000"),
+    ] {
+        let numbers = [0.0, 0.0, 0.0, 1.0, bad].into_iter().chain([0.5; 7]);
+        let bytes: Vec<u8> = numbers.flat_map(f32::to_le_bytes).collect();
+        let error = load_from(&host.clone().with("b.bin", bytes)).unwrap_err();
+        let wanted = format!("the color 1, {shown}, 0.5 of vertex 1; expected numbers from 0 to 1000000");
+        assert!(error.message.contains(&wanted), "{error}");
+    }
+}

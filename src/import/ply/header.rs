@@ -55,6 +55,16 @@ impl Scalar {
             Self::F64 => 8,
         }
     }
+
+    /// What stands for all of a color's channel; `None` where that is 1, and other numbers are shares of it. Types that are
+    /// wider than they need to be, as `int`, hold bytes all the same.
+    pub(super) const fn full(self) -> Option<f64> {
+        match self {
+            Self::F32 | Self::F64 => None,
+            Self::U16 => Some(65535.0),
+            _ => Some(255.0),
+        }
+    }
 }
 
 /// A property of an element: a number, or a list of them after their count.

@@ -5,16 +5,17 @@ mod header;
 
 use self::{
     body::{Body, Item},
-    header::{Element, Format, Header},
+    header::{Element, Format, Header, Scalar},
 };
 use super::{
     assembly,
     assets::Assets,
-    guard::{Checked, Corner, Face, Ignored},
+    guard::{Checked, Corner, Face},
     text::{Source, lines, quoted},
     wavefront,
 };
 use crate::{
+    color::{Color, linear_from_srgb},
     diag::{Diagnostic, ErrorKind},
     math::{DVec2, DVec3},
     scene::{Builder, Mesh, SceneError},
@@ -22,6 +23,8 @@ use crate::{
 
 /// Bytes in which a header ends.
 const LONGEST_HEADER: usize = 1 << 16;
+/// The largest number of a color that is no share of a whole.
+const BRIGHTEST: f64 = 1e6;
 /// Elements between two questions whether to stop: a millisecond's work.
 const ELEMENTS_PER_QUESTION: usize = 4096;
 
@@ -31,7 +34,7 @@ pub(super) fn is_ply(bytes: &[u8]) -> bool {
 }
 
 /// The mesh in a PLY file: polygons, cut into triangles, or triangle strips; with the vertices' normals and texture
-/// coordinates. Warnings, such as that colors are not used, go to the builder.
+/// coordinates and colors. Warnings, such as that a face has no area, go to the builder.
 ///
 /// # Errors
 /// With the line, or for what is binary with the byte, where the file is malformed; where it has no faces, or a limit is
@@ -75,7 +78,11 @@ fn after_header(bytes: &[u8]) -> Option<usize> {
 const POSITION: [&[&str]; 3] = [&["x"], &["y"], &["z"]];
 const NORMAL: [&[&str]; 3] = [&["nx"], &["ny"], &["nz"]];
 const UV: [&[&str]; 2] = [&["u", "s", "texture_u"], &["v", "t", "texture_v"]];
-const COLOR: &[&str] = &["red", "r", "diffuse_red"];
+const COLOR: [&[&str]; 3] = [
+    &["red", "r", "diffuse_red"],
+    &["green", "g", "diffuse_green"],
+    &["blue", "b", "diffuse_blue"],
+];
 const CORNERS: &[&str] = &["vertex_indices", "vertex_index"];
 
 /// Where the numbers of a vertex stand that are used.
@@ -83,6 +90,59 @@ struct Columns {
     position: [usize; 3],
     normal: Option<[usize; 3]>,
     uv: Option<[usize; 2]>,
+    color: Option<Channels>,
+}
+
+/// Where the color of a vertex stands, and of which type its numbers are.
+struct Channels {
+    places: [usize; 3],
+    kinds: [Scalar; 3],
+}
+
+impl Channels {
+    /// `None` where no property is one of a color.
+    ///
+    /// # Errors
+    /// Where one of them is missing.
+    fn of(element: &Element, source: &Source<'_>) -> Result<Option<Self>, Diagnostic> {
+        let error = |message: String| Diagnostic::error(ErrorKind::Input, message).at(source.name, 0, 0);
+        let found = COLOR.map(|names| element.find(names));
+        let [Some(r), Some(g), Some(b)] = found else {
+            let missing = COLOR.iter().zip(found).find(|(_, place)| place.is_none());
+            let first = found.into_iter().flatten().next();
+            let first = first.and_then(|place| element.properties.get(place));
+            return match (missing.and_then(|(names, _)| names.first()), first) {
+                // A property r may be a radius.
+                (Some(name), Some(first)) if first.name.len() > 1 => Err(error(format!(
+                    "the vertices have a property {}, but none called '{name}'; a color takes red, green and blue",
+                    quoted(&first.name)
+                ))),
+                _ => Ok(None),
+            };
+        };
+        let places = [r, g, b];
+        let kinds = places.map(|place| element.properties.get(place).map_or(Scalar::U8, |p| p.kind));
+        Ok(Some(Self { places, kinds }))
+    }
+
+    /// The scene-linear color: whole numbers are sRGB, as in pictures, others are linear.
+    fn color(&self, values: &[f64], body: &Body<'_>, item: Item<'_>) -> Result<Color, Diagnostic> {
+        let mut color = [0.0; 3];
+        for ((place, kind), channel) in self.places.iter().zip(self.kinds).zip(&mut color) {
+            let value = values.get(*place).copied().unwrap_or(0.0);
+            let full = kind.full();
+            let most = full.unwrap_or(BRIGHTEST);
+            if !(0.0..=most).contains(&value) {
+                let name = item.element.properties.get(*place).map_or("", |p| &p.name);
+                return Err(body.error(format!(
+                    "expected a number from 0 to {most} for {} in {item}, found {value}",
+                    quoted(name)
+                )));
+            }
+            *channel = full.map_or(value, |full| linear_from_srgb(value / full));
+        }
+        Ok(Color::from_array(color))
+    }
 }
 
 impl Columns {
@@ -100,11 +160,13 @@ impl Columns {
             [Some(u), Some(v)] => Some([u, v]),
             _ => None,
         };
+        let color = Channels::of(element, source)?;
         let position = [x, y, z];
         let used = position
             .iter()
             .chain(normal.iter().flatten())
-            .chain(uv.iter().flatten());
+            .chain(uv.iter().flatten())
+            .chain(color.iter().flat_map(|color| &color.places));
         let list = used
             .filter_map(|i| element.properties.get(*i))
             .find(|p| p.count.is_some());
@@ -115,7 +177,12 @@ impl Columns {
             );
             return Err(Diagnostic::error(ErrorKind::Input, message).at(source.name, 0, 0));
         }
-        Ok(Self { position, normal, uv })
+        Ok(Self {
+            position,
+            normal,
+            uv,
+            color,
+        })
     }
 }
 
@@ -164,16 +231,7 @@ fn elements<'a>(
             }
         }
     }
-    let mut checked = reader.checked;
-    let mut unused = Ignored::default();
-    if vertices.find(COLOR).is_some() {
-        unused.colors.add(source.text.get(..0).unwrap_or_default());
-    }
-    let colors = |_| "the colors of the vertices are not used".to_owned();
-    checked.unused = Ignored::default();
-    let mesh = assembly::mesh(source, checked, assets, builder)?;
-    unused.colors.warn(source, builder, colors, None);
-    Ok(mesh)
+    assembly::mesh(source, reader.checked, assets, builder)
 }
 
 struct Reader<'a, 's> {
@@ -223,6 +281,10 @@ impl<'a> Reader<'a, '_> {
             }
             if let Some(uv) = columns.uv {
                 self.checked.uvs.push(DVec2::from_array(uv.map(at)));
+            }
+            if let Some(color) = &columns.color {
+                let color = color.color(&values, body, item)?;
+                self.checked.colors.push(color);
             }
         }
         Ok(())
@@ -322,163 +384,4 @@ impl<'a> Reader<'a, '_> {
 }
 
 #[cfg(test)]
-mod tests {
-    use crate::{
-        Builder, Limits, MemoryHost,
-        diag::Diagnostic,
-        import::{AssetCache, Assets, load_mesh},
-        scene::Mesh,
-    };
-
-    fn load(bytes: &[u8]) -> Result<Mesh, Diagnostic> {
-        let (host, limits) = (MemoryHost::new().with("a.ply", bytes), Limits::default());
-        let mut cache = AssetCache::default();
-        let mut assets = Assets::new(&host, &limits, &mut cache);
-        load_mesh("a.ply", &mut assets, &mut Builder::new()).map(|mesh| Mesh::clone(&mesh))
-    }
-
-    /// A quad with normals and texture coordinates in a format, and an element that nobody knows before it.
-    fn quad(format: &str, end: &str) -> Vec<u8> {
-        let head = [
-            "ply",
-            &format!("format {format} 1.0"),
-            "comment \u{e9}",
-            "element thing 2",
-            "property list uchar short stuff",
-            "element vertex 4",
-            "property float x",
-            "property float y",
-            "property double z",
-            "property char nx",
-            "property char ny",
-            "property char nz",
-            "property float u",
-            "property float v",
-            "element face 1",
-            "property list ushort int vertex_indices",
-            "property uint flags",
-            "end_header",
-            "",
-        ];
-        let mut bytes = head.join(end).into_bytes();
-        let vertices = [(0i8, 0i8), (2, 0), (2, 1), (0, 1)];
-        if format == "ascii" {
-            let mut lines = vec!["2 7 -7".to_owned(), "0".to_owned()];
-            lines.extend(vertices.map(|(x, y)| format!("{x} {y}.5 -1 0 0 1 {x} {y}")));
-            lines.push("4 0 1 2 3 9".to_owned());
-            bytes.extend(lines.join(end).into_bytes());
-            return bytes;
-        }
-        let big = format == "binary_big_endian";
-        macro_rules! put {
-            ($($x:expr),*) => { $( bytes.extend(if big { $x.to_be_bytes().to_vec() } else { $x.to_le_bytes().to_vec() }); )* };
-        }
-        put!(2u8, 7i16, -7i16, 0u8);
-        for (x, y) in vertices {
-            put!(
-                f32::from(x),
-                f32::from(y) + 0.5,
-                -1f64,
-                0i8,
-                0i8,
-                1i8,
-                f32::from(x),
-                f32::from(y)
-            );
-        }
-        put!(4u16, 0i32, 1i32, 2i32, 3i32, 9u32);
-        bytes
-    }
-
-    #[test]
-    fn every_format_gives_the_same_mesh() {
-        let first = load(&quad("ascii", "\n")).unwrap();
-        assert_eq!(first.triangles, [[0, 1, 2], [0, 2, 3]]);
-        assert_eq!(first.bounds().max.to_array(), [2.0, 1.5, -1.0]);
-        assert_eq!(
-            first.normals.as_ref().unwrap().corners(1).unwrap()[2].to_array(),
-            [0.0, 0.0, 1.0]
-        );
-        assert_eq!(
-            first.uvs.as_ref().unwrap().corners(0).unwrap()[1].to_array(),
-            [2.0, 0.0]
-        );
-        for format in ["ascii", "binary_little_endian", "binary_big_endian"] {
-            for end in ["\n", "\r\n", "\r"] {
-                assert_eq!(load(&quad(format, end)).unwrap(), first, "{format} {end:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn strips_are_triangles_that_face_one_way() {
-        let strip = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n\
-            element tristrips 1\nproperty list int int vertex_indices\nend_header\n\
-            0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n9 0 1 2 3 4 -1 0 1 2\n";
-        let mesh = load(strip.as_bytes()).unwrap();
-        assert_eq!(mesh.triangles, [[0, 1, 2], [2, 1, 3], [2, 3, 4], [0, 1, 2]]);
-    }
-
-    #[test]
-    fn whatever_is_cut_off_or_changed_ends_with_an_answer() {
-        let mut rng = 12345u64;
-        let mut below = |n: usize| {
-            rng = rng
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (rng >> 33) as usize % n
-        };
-        for format in ["ascii", "binary_little_endian", "binary_big_endian"] {
-            let whole = quad(format, "\n");
-            // The last of its numbers is not needed as text, where it is shortened.
-            for end in 0..whole.len() - 1 {
-                assert!(load(&whole[..end]).is_err(), "{format} up to {end}");
-            }
-            for _ in 0..2000 {
-                let mut bytes = whole.clone();
-                for _ in 0..1 + below(4) {
-                    let at = below(bytes.len());
-                    bytes[at] = below(256) as u8;
-                }
-                if let Err(error) = load(&bytes) {
-                    assert!(!error.message.is_empty() && error.message.len() < 4096);
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn claims_take_neither_memory_nor_time() {
-        let head = |count: &str, properties: &str| {
-            format!(
-                "ply\nformat binary_little_endian 1.0\nelement vertex {count}\nproperty float x\nproperty float y\n\
-                 property float z\nelement face 4000000000\n{properties}end_header\n\0\0\0@\0\0\0\0"
-            )
-        };
-        let list = "property list uint int vertex_indices\n";
-        for (text, said) in [
-            (
-                head("4294967295", list),
-                "the file ends at byte 186, in 'vertex' 1 of 4294967295",
-            ),
-            (
-                head("0", list),
-                "'vertex_indices' in 'face' 1 of 4000000000 is to have 1073741824 numbers, but there are at most 1, before byte 174",
-            ),
-            (head("0", ""), "no face of the file has an area"),
-            (
-                head("99999999999999999999999", list),
-                "expected how many there are, found '99999999999999999999999'",
-            ),
-        ] {
-            let message = load(text.as_bytes()).unwrap_err().message;
-            let plain = |text: &str| {
-                text.split(|c: char| c.is_ascii_digit())
-                    .next()
-                    .unwrap_or_default()
-                    .to_owned()
-            };
-            assert_eq!(plain(&message), plain(said), "{message}");
-        }
-    }
-}
+mod tests;

@@ -7,9 +7,10 @@ use super::{
     query::Hit,
 };
 use crate::{
+    color::Color,
     math::{DAffine3, DVec2, DVec3, Ray, max_abs},
     render::microfacet::frame,
-    scene::{Footprint, Material, MaterialId, Object, Term, TexturePoint},
+    scene::{Attribute, Footprint, Material, MaterialId, Object, Term, TexturePoint},
 };
 
 /// A point on a surface, ready for shading.
@@ -34,6 +35,8 @@ pub(crate) struct SurfacePoint<'s> {
     width: [f64; 2],
     /// What it covers there, where textures ask. Elsewhere than in the point, which is copied often.
     pub(crate) footprint: Option<&'s Footprint>,
+    /// What the corners of a mesh with colors give the point.
+    color: Option<Color>,
 }
 
 impl SurfacePoint<'_> {
@@ -45,6 +48,7 @@ impl SurfacePoint<'_> {
             normal: self.object_normal,
             width: self.width,
             footprint: self.footprint.copied(),
+            color: self.color,
         }
     }
 
@@ -67,6 +71,7 @@ struct LocalSurface {
     object_normal: DVec3,
     /// [`MaterialId::INHERIT`] where whatever places the level decides.
     material: MaterialId,
+    color: Option<Color>,
 }
 
 impl<'s> World<'s> {
@@ -238,6 +243,7 @@ impl<'s> World<'s> {
             object_normal: local.object_normal,
             width: [0.0; 2],
             footprint: None,
+            color: local.color,
         })
     }
 
@@ -327,6 +333,7 @@ impl<'s> World<'s> {
                     object_position: p,
                     object_normal: DVec3::ZERO,
                     material: object.material,
+                    color: None,
                 };
                 if self.is_textured(object.material)
                     && let crate::scene::Geometry::Shape(shape) = &object.geometry
@@ -356,6 +363,7 @@ impl<'s> World<'s> {
                     object_position,
                     object_normal,
                     material: object.material,
+                    color: None,
                 })
             }
             Primitive::Instance(_) => None,
@@ -382,13 +390,17 @@ impl<'s> World<'s> {
         let face = (triangle - run.first) as usize;
         let object = self.object(level, run.object);
         let textured = self.has_textures();
-        let (normals, uvs) = match run.source {
-            TriangleSource::Single(id) => (self.scene.triangles.get(id.index())?.normals, None),
+        let (normals, uvs, color) = match run.source {
+            TriangleSource::Single(id) => (self.scene.triangles.get(id.index())?.normals, None, None),
             TriangleSource::Mesh(id) => {
                 let mesh = self.scene.meshes.get(id.index())?;
                 (
                     mesh.normals.as_ref().and_then(|normals| normals.corners(face)),
                     textured.then(|| mesh.uvs.as_ref()?.corners(face)).flatten(),
+                    match &mesh.colors {
+                        Some(colors) if textured => color(colors, face, weights),
+                        _ => None,
+                    },
                 )
             }
         };
@@ -436,6 +448,7 @@ impl<'s> World<'s> {
             object_position,
             object_normal,
             material,
+            color,
         })
     }
 
@@ -495,6 +508,16 @@ fn coordinates([a, b, c]: [DVec3; 3], p: DVec3) -> (f64, f64) {
     let n = ab.cross(ac);
     let area2 = n.dot(n);
     (n.dot(ap.cross(ac)) / area2, n.dot(ab.cross(ap)) / area2)
+}
+
+/// What the corners of a mesh's triangle give a point in it.
+#[cold]
+#[inline(never)]
+fn color(colors: &Attribute<Color>, face: usize, weights: [f64; 3]) -> Option<Color> {
+    let [a, b, c] = colors.corners(face)?;
+    let mixed = a * weights[0] + b * weights[1] + c * weights[2];
+    // Beside the triangle the nearest of its colors goes on.
+    Some(mixed.max(a.min(b).min(c)).min(a.max(b).max(c)))
 }
 
 fn unit(n: DVec3) -> DVec3 {

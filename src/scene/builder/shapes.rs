@@ -42,6 +42,31 @@ impl Builder {
         self.scene.textures.get(id.index())
     }
 
+    /// Whether any term of the current material shows the colors of vertices.
+    pub(crate) fn shows_vertex_colors(&self) -> bool {
+        let Material {
+            ambient,
+            emission,
+            diffuse,
+            specular,
+            shininess: _,
+            reflection,
+            transmission,
+            ior: _,
+            reflectance: _,
+            finish,
+        } = &self.material;
+        let terms = [ambient, emission, diffuse, specular, transmission].map(|term| term.texture);
+        let reflection = reflection.as_ref().and_then(|term| term.texture);
+        let finish = finish
+            .iter()
+            .flat_map(|finish| finish.textures())
+            .map(|(_, id)| id);
+        let all = terms.into_iter().chain([reflection]).chain(finish).flatten();
+        all.filter_map(|id| self.texture_at(id))
+            .any(|texture| texture.shows_vertex_colors())
+    }
+
     /// Adds a texture, to be named in a [`Term`](crate::scene::Term). The same `Arc` twice gives the same handle. Pictures
     /// that it is made of are added before it.
     pub fn texture(&mut self, texture: &Arc<Texture>) -> TextureId {

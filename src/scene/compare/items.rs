@@ -348,6 +348,7 @@ fn of_texture(texture: &Texture) -> u128 {
             digest.floats([*size]);
         }
         Texture::Custom(texture) => digest.text(&texture.identity()),
+        Texture::VertexColors => digest.text("vertexColors"),
         Texture::Pattern(_) | Texture::Mix(_) | Texture::Placed(_) | Texture::Mapped(_) => {
             // A picture by what it shows, wherever it stands.
             let name = |part: &std::sync::Arc<Texture>| {
@@ -403,6 +404,7 @@ fn of_mesh(mesh: &Mesh, materials: &[u128]) -> u128 {
         triangles,
         normals,
         uvs,
+        colors,
         face_materials,
     } = mesh;
     let mut digest = Digest::new("mesh");
@@ -423,6 +425,10 @@ fn of_mesh(mesh: &Mesh, materials: &[u128]) -> u128 {
     if let Some(uvs) = uvs {
         uvs.values.iter().for_each(|uv| digest.floats(uv.to_array()));
         indices(&mut digest, &uvs.indices);
+    }
+    if let Some(colors) = colors {
+        colors.values.iter().for_each(|color| digest.vector(*color));
+        indices(&mut digest, &colors.indices);
     }
     for id in face_materials {
         digest.id(materials.get(id.index()).copied().unwrap_or(0));

@@ -20,10 +20,14 @@ impl Writer<'_> {
             self.list("uvs", uvs.values.iter().map(pair))?;
             self.own_indices("uvIndices", mesh, &uvs.indices)?;
         }
+        if let Some(colors) = &mesh.colors {
+            self.list("colors", colors.values.iter().map(|c| Components(*c)))?;
+            self.own_indices("colorIndices", mesh, &colors.indices)?;
+        }
         Ok(())
     }
 
-    /// The indices of normals or uvs where they are not those of the positions.
+    /// The indices of normals, uvs or colors where they are not those of the positions.
     fn own_indices(&mut self, name: &str, mesh: &Mesh, indices: &[[u32; 3]]) -> fmt::Result {
         if *indices == *mesh.triangles {
             return Ok(());

@@ -201,7 +201,14 @@ impl Writer<'_> {
                     Number(*size)
                 ))?,
                 (Texture::Image(image), None) => self.image(i, image)?,
-                (Texture::Pattern(_) | Texture::Mix(_) | Texture::Placed(_) | Texture::Mapped(_), None) => {
+                (
+                    Texture::Pattern(_)
+                    | Texture::Mix(_)
+                    | Texture::Placed(_)
+                    | Texture::Mapped(_)
+                    | Texture::VertexColors,
+                    None,
+                ) => {
                     let name = |part: &Arc<Texture>| Some(format!("texture_{}", scene.texture_number(part)?));
                     let call = texture.call(&name);
                     self.call(format_args!("const texture_{i} = {call};"))?;

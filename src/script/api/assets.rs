@@ -6,21 +6,24 @@ use rhai::{Array, Dynamic, Map};
 
 use super::{map, patterns, string};
 use crate::{
+    color::Color,
     diag::{Diagnostic, ErrorKind},
     host::resolve,
-    import::{Assets, load_mesh, load_mesh_shape, mesh_from_arrays, set_normals, set_uvs},
+    import::{Assets, load_mesh, load_mesh_shape, mesh_from_arrays, set_colors, set_normals, set_uvs},
     math::{DVec2, DVec3},
     scene::{Builder, ImageTexture, Mesh, SceneError, Texels},
     script::{
         call::{Call, kind_of, number_of},
-        lists::tuples,
+        lists::{tuple, tuples, tuples_with},
         session::State,
         table::{DONE, Entry, Group, Kind, Param},
         value::{ImageValue, Outcome, ScriptError},
     },
 };
 
-const KEYS: [&str; 6] = [
+const KEYS: [&str; 8] = [
+    "colorIndices",
+    "colors",
     "indices",
     "normalIndices",
     "normals",
@@ -34,13 +37,13 @@ pub(super) const ENTRIES: &[Entry] = &[
     Entry::scene(Group::Assets, "mesh", mesh)
         .takes(&[
             &[string("file", "an OBJ, PLY, STL or glTF file, relative to the script that names it")],
-            &[map("data", "positions, and any of indices, normals, normalIndices, uvs and uvIndices").keys(&KEYS)],
+            &[map("data", "positions, and any of indices, normals, normalIndices, uvs, uvIndices, colors and colorIndices").keys(&KEYS)],
             &[
                 string("file", "an OBJ, PLY, STL or glTF file, relative to the script that names it"),
                 map("options", "materials: whether to read the file's materials; true unless given").keys(&MESH_OPTIONS),
             ],
         ])
-        .doc("A triangle mesh: from a file, OBJ with its normals, materials and textures, PLY with normals and texture coordinates, STL, or glTF 2.0 (.gltf or .glb), the meshes of its scene where its nodes place them, with materials of metal and roughness and their textures; with #{ materials: false } its shape alone, in the current material; or from arrays. positions and normals are points or one flat list, uvs are pairs or one flat list, each also a blob of floats as write_le writes them; indices count from 0, three for each triangle. Without indices every three positions are a triangle; without normals the mesh is flat. normals and uvs belong to the positions, one each, unless normalIndices or uvIndices say for each corner of the triangles which of them it has, -1 for none.")
+        .doc("A triangle mesh: from a file, OBJ with its normals, materials and textures, PLY with normals, texture coordinates and colors, which diffuse(vertexColors()) shows, STL, or glTF 2.0 (.gltf or .glb), the meshes of its scene where its nodes place them, with materials of metal and roughness and their textures; with #{ materials: false } its shape alone, in the current material; or from arrays. positions and normals are points or one flat list, uvs are pairs or one flat list, colors are linear RGB or color codes, each also a blob of floats as write_le writes them; indices count from 0, three for each triangle. Without indices every three positions are a triangle; without normals the mesh is flat. normals, uvs and colors, which vertexColors() shows, belong to the positions, one each, unless normalIndices, uvIndices or colorIndices say for each corner of the triangles which of them it has, -1 for none.")
         .usage("mesh(#{ positions: [[0, 0, 0], [1, 0, 0], [0, 1, 0]] })")
         .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.85, 0.6, 0.25);\ngroup {\n  translate(-1.2, -0.7, 0);\n  rotate(0, 1, 0, 25);\n  mesh(#{                       // a tent\n    positions: [[-1, 0, 1], [1, 0, 1], [0, 1.5, 1], [-1, 0, -1], [1, 0, -1], [0, 1.5, -1]],\n    indices: [0, 1, 2,  1, 4, 5,  1, 5, 2,  0, 2, 5,  0, 5, 3,  3, 5, 4],\n  });\n}\ndiffuse(0.2, 0.5, 0.7);\ntranslate(1.2, 0, 0); rotate(0, 1, 0, 20); scale(0.7);\nmesh(\"tetrahedron.obj\");")
         .also(&["obj", "ply", "stl", "gltf", "glb", "pbr", "model", "loadObj", "import", "triangleMesh"]),
@@ -230,9 +233,12 @@ fn from_arrays(call: &Call<'_, '_>, data: &Map) -> Outcome<Mesh> {
     let uvs: Option<Vec<DVec2>> = uvs.map(|uvs| uvs.into_iter().map(DVec2::from_array).collect());
     let own = |name: &str| optional(name).map(|d| indices(call, name, d)).transpose();
     let (triangles, of_normals, of_uvs) = (own("indices")?, own("normalIndices")?, own("uvIndices")?);
+    let colors = optional("colors").map(|d| colors(call, d)).transpose()?;
+    let of_colors = own("colorIndices")?;
     for (values, given, own) in [
         ("normals", normals.is_some(), of_normals.is_some()),
         ("uvs", uvs.is_some(), of_uvs.is_some()),
+        ("colors", colors.is_some(), of_colors.is_some()),
     ] {
         if own && !given {
             return Err(call.error(format!("there are indices of {values}, but no {values}")));
@@ -253,7 +259,21 @@ fn from_arrays(call: &Call<'_, '_>, data: &Map) -> Outcome<Mesh> {
     if let Some((uvs, indices)) = own_uvs {
         set_uvs(&mut mesh, uvs, &indices)?;
     }
+    if let Some(colors) = colors {
+        set_colors(&mut mesh, colors, of_colors.as_deref())?;
+    }
     Ok(mesh)
+}
+
+/// Colors of vertices: numbers, or color codes.
+pub(super) fn colors(call: &Call<'_, '_>, d: &Dynamic) -> Outcome<Vec<Color>> {
+    let colors = tuples_with::<3>(call, "colors", d, |name, d| {
+        if d.is_string() {
+            return Ok(call.term_from(&name(), d)?.color.to_array());
+        }
+        tuple(call, name, d)
+    })?;
+    Ok(colors.into_iter().map(Color::from_array).collect())
 }
 
 /// Ints, nested in threes or one flat list.

@@ -4,7 +4,11 @@ use std::sync::Arc;
 
 use rhai::{Array, Dynamic, Map};
 
-use super::{assets::with_assets, heights::made, int, map, string};
+use super::{
+    assets::{self, with_assets},
+    heights::made,
+    int, map, string,
+};
 use crate::{
     import::load_polygons,
     math::{DVec2, DVec3},
@@ -20,7 +24,16 @@ use crate::{
     tessellate::{Cage, Scheme},
 };
 
-const CAGE_KEYS: [&str; 6] = ["creases", "faces", "indices", "positions", "uvIndices", "uvs"];
+const CAGE_KEYS: [&str; 8] = [
+    "colorIndices",
+    "colors",
+    "creases",
+    "faces",
+    "indices",
+    "positions",
+    "uvIndices",
+    "uvs",
+];
 const KEYS: [&str; 2] = ["limit", "scheme"];
 const LEVELS: Param = int("levels", "none", "how often each face is divided, 0 to 8").or("2");
 const OPTIONS: Param = map(
@@ -35,7 +48,7 @@ pub(super) const ENTRIES: &[Entry] = &[Entry::scene(Group::Assets, "subdivide", 
         &[
             map(
                 "cage",
-                "positions; faces: arrays of three or more corners each, counted from 0, or indices: triangles; creases: [corner, corner, sharpness] each, sharp for so many levels; uvs: pairs, one for each position, or with uvIndices in the form of faces one for each corner of them",
+                "positions; faces: arrays of three or more corners each, counted from 0, or indices: triangles; creases: [corner, corner, sharpness] each, sharp for so many levels; uvs: pairs, one for each position, or with uvIndices in the form of faces one for each corner of them; colors and colorIndices: as uvs, linear RGB or color codes",
             )
             .keys(&CAGE_KEYS),
             LEVELS,
@@ -47,7 +60,7 @@ pub(super) const ENTRIES: &[Entry] = &[Entry::scene(Group::Assets, "subdivide", 
             OPTIONS,
         ],
     ])
-    .doc("A smooth surface from a coarse cage of faces: Catmull-Clark for polygons, Loop for triangles, with the normals of the smooth surface. Rims stay, and so do creases. Texture coordinates are divided within each face, so that seams stay. A closed cage gives a closed mesh, as glass needs it. A file gives its shape alone, in the current material.")
+    .doc("A smooth surface from a coarse cage of faces: Catmull-Clark for polygons, Loop for triangles, with the normals of the smooth surface. Rims stay, and so do creases. Texture coordinates and colors are divided within each face, so that seams stay. A closed cage gives a closed mesh, as glass needs it. A file gives its shape alone, in the current material.")
     .usage("subdivide(#{ positions: [[-1, -1, 0], [1, -1, 0], [1, 1, 1], [-1, 1, 0]], faces: [[0, 1, 2, 3]] }, 3)")
     .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ncamera([1.5, 2.2, 5], [0, 0, 0], [0, 1, 0], 38);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\nlet cube = #{\n  positions: [[-1, -1, -1], [1, -1, -1], [-1, 1, -1], [1, 1, -1], [-1, -1, 1], [1, -1, 1], [-1, 1, 1], [1, 1, 1]],\n  faces: [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]],\n};\ndiffuse(0.8, 0.5, 0.2);\ngroup { translate(-1.3, 0, 0); rotate(0, 1, 0, 20); subdivide(cube, 3); }\ncube.creases = [[2, 3, 9], [3, 7, 9], [7, 6, 9], [6, 2, 9]];   // a sharp rim above\ndiffuse(0.3, 0.5, 0.8);\ngroup { translate(1.3, 0, 0); rotate(0, 1, 0, 20); subdivide(cube, 3); }")
     .also(&["subdivision", "catmullClark", "loop", "smoothMesh", "subsurf"])];
@@ -111,32 +124,45 @@ fn cage(call: &Call<'_, '_>, data: &Map) -> Outcome<Cage> {
                 .push(([corner(call, name, a)?, corner(call, name, b)?], sharpness));
         }
     }
+    let own = |name: &str| match data.get(name) {
+        Some(own) if data.contains_key("faces") => polygons(call, name, own).map(Some),
+        Some(own) => triangles(call, name, own).map(Some),
+        None => Ok(None),
+    };
     if let Some(uvs) = data.get("uvs") {
         let uvs = tuples::<2>(call, "uvs", uvs)?;
         let uvs: Vec<DVec2> = uvs.into_iter().map(DVec2::from_array).collect();
-        let own = match data.get("uvIndices") {
-            Some(own) if data.contains_key("faces") => Some(polygons(call, "uvIndices", own)?),
-            Some(own) => Some(triangles(call, "uvIndices", own)?),
-            None => None,
-        };
-        cage.uvs = uvs_of_faces(call, &uvs, own.as_ref().unwrap_or(&cage.faces))?;
+        let faces = own("uvIndices")?;
+        cage.uvs = of_faces(call, "uv", &uvs, faces.as_ref().unwrap_or(&cage.faces))?;
     } else if data.contains_key("uvIndices") {
         return Err(call.error("there are indices of uvs, but no uvs"));
+    }
+    if let Some(colors) = data.get("colors") {
+        let colors = assets::colors(call, colors)?;
+        let faces = own("colorIndices")?;
+        cage.colors = of_faces(call, "color", &colors, faces.as_ref().unwrap_or(&cage.faces))?;
+    } else if data.contains_key("colorIndices") {
+        return Err(call.error("there are indices of colors, but no colors"));
     }
     Ok(cage)
 }
 
-/// The texture coordinates with these numbers, face by face.
-fn uvs_of_faces(call: &Call<'_, '_>, uvs: &[DVec2], faces: &[Vec<u32>]) -> Outcome<Vec<Vec<DVec2>>> {
-    let uv = |face: usize, corner: &u32| {
-        uvs.get(*corner as usize).copied().ok_or_else(|| {
-            let count = uvs.len();
+/// The values with these numbers, face by face.
+fn of_faces<T: Copy>(
+    call: &Call<'_, '_>,
+    what: &str,
+    values: &[T],
+    faces: &[Vec<u32>],
+) -> Outcome<Vec<Vec<T>>> {
+    let value = |face: usize, corner: &u32| {
+        values.get(*corner as usize).copied().ok_or_else(|| {
+            let count = values.len();
             call.error(format!(
-                "face {face} has uv {corner}, but there are {count}, numbered from 0"
+                "face {face} has {what} {corner}, but there are {count}, numbered from 0"
             ))
         })
     };
-    let face = |(i, face): (usize, &Vec<u32>)| face.iter().map(|corner| uv(i, corner)).collect();
+    let face = |(i, face): (usize, &Vec<u32>)| face.iter().map(|corner| value(i, corner)).collect();
     faces.iter().enumerate().map(face).collect()
 }
 
