@@ -122,7 +122,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .returns("texture")
         .doc("The colors of a mesh's vertices, mixed between the corners of each triangle: those of mesh(#{ colors }) and subdivide(#{ colors }), of a PLY file, or COLOR_0 of a glTF file. It stands wherever a color of a material may. White on all other shapes, and on triangles of which a corner has no color.")
         .usage("diffuse(vertexColors())")
-        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ncamera([1.6, 1.9, 4], [0, -0.1, 0], [0, 1, 0], 36);\nlet corners = [[-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1], [-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1]];\ndiffuse(vertexColors());\nrotate(0, 1, 0, 20);\nmesh(#{                          // the cube of all colors\n  positions: corners,\n  colors: corners.map(|p| [0.5 + 0.5 * p[0], 0.5 + 0.5 * p[1], 0.5 + 0.5 * p[2]]),\n  indices: [0, 1, 2, 0, 2, 3,  1, 5, 6, 1, 6, 2,  5, 4, 7, 5, 7, 6,  4, 0, 3, 4, 3, 7,  3, 2, 6, 3, 6, 7,  4, 5, 1, 4, 1, 0],\n});")
+        .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ncamera([3.2, 2.6, 4.6], [0, -0.1, 0], [0, 1, 0], 34);\nlet corners = [[-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1], [-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1]];\ndiffuse(vertexColors());\nmesh(#{                          // the cube of all colors\n  positions: corners,\n  colors: corners.map(|p| [0.5 + 0.5 * p[0], 0.5 + 0.5 * p[1], 0.5 + 0.5 * p[2]]),\n  indices: [0, 1, 2, 0, 2, 3,  1, 5, 6, 1, 6, 2,  5, 4, 7, 5, 7, 6,  4, 0, 3, 4, 3, 7,  3, 2, 6, 3, 6, 7,  4, 5, 1, 4, 1, 0],\n});")
         .also(&["vertexColor", "colorAttribute", "perVertexColor", "COLOR_0", "Cd", "fill"]),
 ];
 
