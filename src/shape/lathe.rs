@@ -3,7 +3,10 @@
 use super::{
     CrossingSink, Solidity, Surface, coordinates,
     pieces::{Framed, Line},
-    roots::{Bernstein, Bounded, Range, cubic_between, hull, nearest, sign_changes, slopes, times},
+    roots::{
+        Bernstein, Bounded, Range, cubic_between, hull, nearest, sign_changes, sign_changes_of_bent, slopes,
+        times,
+    },
     u_around_y,
 };
 use crate::{
@@ -35,8 +38,16 @@ pub struct Lathe {
     points: Vec<[f64; 2]>,
     spline: Spline,
     closed: bool,
-    profile: Framed<Piece<2>>,
+    profile: Framed<Section>,
     is_solid: bool,
+}
+
+/// One piece of the profile.
+#[derive(Clone, Debug, PartialEq)]
+struct Section {
+    piece: Piece<2>,
+    /// Whether it was made as a line.
+    is_straight: bool,
 }
 
 /// The points, how they are curved, and whether they close; all else follows from them.
@@ -94,14 +105,21 @@ impl Lathe {
             || matches!((pieces.first(), pieces.last()), (Some(a), Some(b)) if a.0[0][0] == 0.0 && b.0[3][0] == 0.0);
         let profile = Framed::new(
             bounds,
-            pieces,
-            |frame, piece| {
-                Piece(piece.0.map(|[r, y]| {
+            pieces.into_iter().map(|piece| Section {
+                is_straight: piece == Piece::line(piece.0[0], piece.0[3]),
+                piece,
+            }),
+            |frame, section| {
+                let place = |[r, y]: [f64; 2]| {
                     let p = frame.of(DVec3::new(0.0, y, 0.0));
                     [r / frame.scale(), p.y]
-                }))
+                };
+                Section {
+                    piece: Piece(section.piece.0.map(place)),
+                    ..section
+                }
             },
-            |piece| Bounds3::around(piece.0.iter().map(|[r, y]| DVec3::new(*r, *y, 0.0))),
+            |section| Bounds3::around(section.piece.0.iter().map(|[r, y]| DVec3::new(*r, *y, 0.0))),
         );
         Ok(Self {
             points,
@@ -149,10 +167,10 @@ impl Lathe {
         let way = Way::new(&line);
         self.profile.each(
             |b| way.may_meet(b),
-            |i, piece| {
-                way.cross(piece, &mut |u, t| {
+            |i, section| {
+                way.cross(section, &mut |u, t| {
                     let at = line.ray.at(t);
-                    let [r, y] = piece.tangent(u);
+                    let [r, y] = section.piece.tangent(u);
                     let rho = (at.x * at.x + at.z * at.z).sqrt();
                     let around = (at.x * line.ray.dir.x + at.z * line.ray.dir.z) / rho;
                     let facing = if rho > 0.0 { y * around } else { 0.0 } - r * line.ray.dir.y;
@@ -172,7 +190,7 @@ impl Lathe {
         let q = self.profile.frame().of(p);
         let rho = (q.x * q.x + q.z * q.z).sqrt();
         let i = (part / 2) as usize;
-        let Some(piece) = self.profile.pieces().get(i) else {
+        let Some(Section { piece, .. }) = self.profile.pieces().get(i) else {
             return Surface {
                 normal: DVec3::Y,
                 uv: DVec2::ZERO,
@@ -271,14 +289,17 @@ impl Way {
     }
 
     /// Tells `found` where along the piece and along the line they cross.
-    fn cross(&self, piece: &Piece<2>, found: &mut impl FnMut(f64, f64)) {
-        let (r, y) = (piece.coordinate(0), piece.coordinate(1));
+    fn cross(&self, section: &Section, found: &mut impl FnMut(f64, f64)) {
+        let (r, y) = (section.piece.coordinate(0), section.piece.coordinate(1));
         match self {
             Self::Steep(s) => {
                 let gap = Gap { r, y, way: s };
-                sign_changes(&gap, 0.0, 1.0, &mut |u, _| {
-                    found(u, (Bernstein(y).at(u).0 - s.from) / s.rise);
-                });
+                let mut met = |u: f64| found(u, (Bernstein(y).at(u).0 - s.from) / s.rise);
+                if section.is_straight {
+                    sign_changes_of_bent(&gap, 0.0, 1.0, s.middle(&r, &y), &mut met);
+                } else {
+                    sign_changes(&gap, 0.0, 1.0, &mut |u, _| met(u));
+                }
             }
             Self::Level(l) => {
                 // The parts of the piece that are as far from the axis as the line is at least.
@@ -293,9 +314,12 @@ impl Way {
                             from,
                             to,
                         };
-                        sign_changes(&rise, from.0, to.0, &mut |u, _| {
-                            found(u, l.start + side * l.stretch * rise.way_at(u));
-                        });
+                        let mut met = |u: f64| found(u, l.start + side * l.stretch * rise.way_at(u));
+                        if section.is_straight {
+                            sign_changes_of_bent(&rise, from.0, to.0, l.middle(&r, &y), &mut met);
+                        } else {
+                            sign_changes(&rise, from.0, to.0, &mut |u, _| met(u));
+                        }
                     }
                 };
                 Bernstein(r.map(|r| r - l.nearest)).sign_changes(&mut |u, falls| {
@@ -314,6 +338,14 @@ impl Way {
 }
 
 impl Steep {
+    /// Halfway between the two places at which the line is as far from the axis as a straight piece of the profile, where
+    /// there are two: the squares of both distances differ by a quadratic.
+    fn middle(&self, [r, .., r_end]: &[f64; 4], [y, .., y_end]: &[f64; 4]) -> f64 {
+        let (p, dp) = (self.at + self.lean * (y - self.from), self.lean * (y_end - y));
+        let dr = r_end - r;
+        (r * dr - p.dot(dp)) / (dp.length_squared() - dr * dr)
+    }
+
     /// Distance from the axis `w` above the line's origin, and how fast it grows.
     fn distance(&self, w: f64) -> (f64, f64) {
         let p = self.at + self.lean * w;
@@ -328,6 +360,14 @@ impl Steep {
         // NaN for a line along the axis: then any height will do.
         let least = if nearest.is_nan() { a } else { nearest.clamp(a, b) };
         (self.distance(least).0.min(most), most)
+    }
+}
+
+impl Level {
+    /// As [`Steep::middle`], for the heights on either branch.
+    fn middle(&self, [r, .., r_end]: &[f64; 4], [y, .., y_end]: &[f64; 4]) -> f64 {
+        let (dr, dy, square) = (r_end - r, y_end - y, self.rise * self.rise);
+        (square * r * dr - (y - self.from) * dy) / (dy * dy - square * dr * dr)
     }
 }
 

@@ -338,6 +338,27 @@ pub(super) fn sign_changes(f: &impl Bounded, lo: f64, hi: f64, found: &mut impl 
     search.between((lo, first), (hi, last), FINEST);
 }
 
+/// As [`sign_changes`], of a function that is bent to one side throughout, so that it has two zeros at most; `middle` is
+/// halfway between them, if there are two.
+pub(super) fn sign_changes_of_bent(
+    f: &impl Bounded,
+    lo: f64,
+    hi: f64,
+    middle: f64,
+    found: &mut impl FnMut(f64),
+) {
+    let (first, last) = (f.at(lo).0 < 0.0, f.at(hi).0 < 0.0);
+    if first != last {
+        found(root_between(|x| f.at(x), lo, hi, last));
+    } else if lo < middle && middle < hi {
+        let there = f.at(middle).0 < 0.0;
+        if there != first {
+            found(root_between(|x| f.at(x), lo, middle, there));
+            found(root_between(|x| f.at(x), middle, hi, last));
+        }
+    }
+}
+
 /// More intervals than this are looked at only where a function is zero along a part of its way but for rounding.
 const INTERVALS: u32 = 1000;
 
