@@ -16,6 +16,7 @@ mod files;
 mod limits;
 mod models;
 mod pictures;
+mod signatures;
 
 use std::{
     fs,
