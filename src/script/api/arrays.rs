@@ -32,10 +32,7 @@ fn is_small(item: &Dynamic) -> bool {
         return false;
     }
     match item.as_array_ref() {
-        Ok(array) => {
-            array.len() <= SMALL
-                && array.iter().all(is_flat)
-        }
+        Ok(array) => array.len() <= SMALL && array.iter().all(is_flat),
         Err(_) => true,
     }
 }
