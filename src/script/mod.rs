@@ -292,7 +292,7 @@ impl Script {
             return Err(internal(self.name(), "a run without a state"));
         };
         let result = match (result, state.ended.take()) {
-            (Ok(()), Some(e)) => Err(e.raise(Position::NONE)),
+            (Ok(()), Some(e)) => Err(e.raise(state.ended_at)),
             (Ok(()), None) => match api::params::unknown(&state) {
                 Some(e) => Err(e.raise(Position::NONE)),
                 None => Ok(()),

@@ -124,6 +124,8 @@ pub(crate) struct State {
     printed: usize,
     /// What ended the run.
     pub(crate) ended: Option<Box<ScriptError>>,
+    /// The call that did, where the script came to its end before anybody looked.
+    pub(crate) ended_at: Position,
     /// Worlds that the script asks where its things are.
     pub(super) queries: Queries,
     /// Since the run began.
@@ -176,6 +178,7 @@ impl State {
             assets: AssetCache::keeping(options.assets.clone()),
             printed: 0,
             ended: None,
+            ended_at: Position::NONE,
             queries: Queries::default(),
             clock: Clock::start(),
             timer: Timer::new(),
@@ -365,6 +368,23 @@ impl Drop for Running {
 /// Prints a line for the script.
 pub(super) fn print(text: &str) {
     with_state(|state| state.print(text));
+}
+
+/// Ends the run at its next step: a text would be longer than the limit `string_bytes`.
+#[cold]
+pub(super) fn end_by_string(most: usize, at: Position) {
+    let first = with_state(|state| {
+        let ended = || limit("the string is too long", "string_bytes", most);
+        state.ended_at = at;
+        state.ended.get_or_insert_with(ended);
+    });
+    if first.is_some() {
+        STEPS.with(|steps| {
+            // What the next look counts is the same as before.
+            steps.until.set(steps.until.get() - steps.left.get());
+            steps.left.set(0);
+        });
+    }
 }
 
 /// A watch that tells the engine when to end the run of the current thread: too many steps, the deadline, the

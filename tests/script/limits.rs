@@ -1,6 +1,11 @@
 //! Limits, and scripts that mean harm.
 
-use rtscript::{Limits, RunOptions, Script, diag::ErrorKind::Limit};
+use std::sync::{
+    Arc,
+    atomic::{AtomicU64, Ordering},
+};
+
+use rtscript::{Limits, RunOptions, Script, diag::ErrorKind::Limit, script::Language};
 
 use crate::host::{Notes, try_run};
 
@@ -261,4 +266,43 @@ fn no_arguments_are_a_fault_of_the_program() {
         }
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn a_text_that_grows_too_long_is_not_written_to_its_end() {
+    #[derive(Clone)]
+    struct Loud(Arc<AtomicU64>);
+    let asked = Arc::new(AtomicU64::new(0));
+    let mut language = Language::new();
+    let loud = Loud(Arc::clone(&asked));
+    language.engine_mut(move |engine| {
+        let loud = loud.clone();
+        engine.register_type_with_name::<Loud>("loud");
+        engine.register_fn("loud", move || loud.clone());
+        engine.register_fn("to_debug", |loud: &mut Loud| {
+            loud.0.fetch_add(1, Ordering::Relaxed);
+            "!".repeat(30_000)
+        });
+    });
+    let made = "let l = loud(); let a = []; for i in 0..1000 { a.push(l); } let m = #{}; for i in 0..900 { m[`k${i}`] = l; }";
+    for text in [
+        "a.to_string()",
+        "`${a}`",
+        "\"\" + a",
+        "print(a)",
+        "m.to_debug()",
+        "`${m}`",
+        "`${[[a]]}`",
+    ] {
+        asked.store(0, Ordering::Relaxed);
+        let source = format!("{made}\nlet t = {text};");
+        let script = Script::compile_in(&language, "a.rhai", &source, &Limits::untrusted()).unwrap();
+        let error = script.run(&rtscript::NoHost, &RunOptions::default()).unwrap_err();
+        assert!(error.to_string().starts_with("a.rhai:2:"), "{text}: {error}");
+        assert!(
+            error.to_string().contains("the limit 'string_bytes' is 65536"),
+            "{text}: {error}"
+        );
+        assert!(asked.load(Ordering::Relaxed) < 10, "{text}: {asked:?}");
+    }
 }

@@ -33,6 +33,7 @@ mod strings;
 mod subdivide;
 mod surfaces;
 mod text;
+mod texts;
 mod transform;
 mod turning;
 mod vector;
@@ -94,6 +95,7 @@ pub(super) fn extend(module: &mut Module) {
     arrays::extend(module);
     numbers::extend(module);
     strings::extend(module);
+    texts::extend(module);
     functions::extend(module);
     sdf::extend(module);
 }

@@ -1,5 +1,7 @@
 //! What is said of a script that cannot go on.
 
+use std::fmt::{self, Write};
+
 use rhai::{Dynamic, EvalAltResult, Position};
 
 use super::{Context, limit, script, script_error, syntax, uncapitalized};
@@ -91,6 +93,22 @@ fn without_place(error: &EvalAltResult) -> String {
     }
 }
 
+/// As much of a text as a message may have: what is thrown may be of any size.
+struct Bounded(String);
+
+impl fmt::Write for Bounded {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        self.0.extend(text.chars().take(MOST_THROWN));
+        if self.0.len() > MOST_THROWN {
+            return Err(fmt::Error);
+        }
+        Ok(())
+    }
+}
+
+/// Messages are cut far before.
+const MOST_THROWN: usize = 1 << 16;
+
 fn thrown_text(value: &Dynamic) -> String {
     match value.clone().into_immutable_string() {
         Ok(text) if text.trim().is_empty() => "the script threw an empty text".to_owned(),
@@ -98,7 +116,11 @@ fn thrown_text(value: &Dynamic) -> String {
         Err(_) if value.is_unit() => "the script threw nothing".to_owned(),
         Err(_) => match value.read_lock::<DVec3>() {
             Some(v) => format!("the script threw [{:?}, {:?}, {:?}]", v.x, v.y, v.z),
-            None => format!("the script threw {value}"),
+            None => {
+                let mut text = Bounded("the script threw ".to_owned());
+                let _ = write!(text, "{value}");
+                text.0
+            }
         },
     }
 }
