@@ -3,11 +3,12 @@
     cargo test --test abuse   # makes the models and pictures
     cargo build; cargo build --release
     cargo build --example attack; cargo build --release --example attack
-    python3 benches/abuse.py [--default] [WAY...]   # a way is "library", "command, debug" and so on
+    python3 benches/abuse.py [--default] [--opt-level=N] [WAY...]   # a way is "library", "command, debug" and so on
 
 Each attack runs by the command (`rtscript --untrusted`) and through the library (`examples/attack.rs`), in a debug and a
 release build, with the limits as `Limits::untrusted()` has them; with `--default`, which takes half an hour more, by the
-release command also with the default ones. Two run at a time. A process that aborts, panics, or takes longer than MOST_SECONDS
+release command also with the default ones. `--opt-level` says what the debug builds were made with, where that is not the 1
+of Cargo.toml. Two run at a time. A process that aborts, panics, or takes longer than MOST_SECONDS
 fails the run.
 """
 
@@ -93,7 +94,7 @@ def main():
         if "--default" in sys.argv:
             ways[DEFAULT] = ["target/release/rtscript", "-o", folder / "picture.png"]
         # What was not built or not asked for is left out.
-        asked = [way for way in sys.argv[1:] if way != "--default"] or ways
+        asked = [way for way in sys.argv[1:] if not way.startswith("--")] or ways
         ways = {way: command for way, command in ways.items() if way in asked and (ROOT / command[0]).exists()}
         faults = []
 
@@ -121,6 +122,11 @@ def main():
     return 1 if faults else 0
 
 
+def debug_level():
+    given = [word.removeprefix("--opt-level=") for word in sys.argv if word.startswith("--opt-level=")]
+    return given[0] if given else "1"
+
+
 def page(ways, rows):
     strangers = [way for way in ways if way != DEFAULT]
     every = [results for of_kind in rows.values() for _, results in of_kind]
@@ -132,6 +138,8 @@ def page(ways, rows):
         "process of its own with the limits as they are, written by `benches/abuse.py`. No process aborted, panicked or had",
         "to be killed. Seconds are of wall clock on two cores that other work was using too (loaded), start of the process",
         "included; memory is the peak of the whole process, some 10 MiB of which is the program.",
+        f"Debug builds check overflow and assertions and are made with `opt-level` {debug_level()}, release builds as `Cargo.toml`",
+        "has them.",
         "",
         "| | longest | most memory |",
         "|---|---|---|",
