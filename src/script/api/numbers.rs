@@ -14,13 +14,16 @@ fn to_int(x: f64) -> Raised<i64> {
     if (-9_223_372_036_854_775_808.0..9_223_372_036_854_775_808.0).contains(&x) {
         return Ok(x as i64);
     }
-    Err(wrong(format!("{x} is no int")))
+    Err(wrong(format!(
+        "{x} is beyond the whole numbers, which end at 9223372036854775807"
+    )))
 }
 
 fn parse_int(text: &str, radix: i64) -> Raised<i64> {
     let base = u32::try_from(radix).ok().filter(|r| (2..=36).contains(r));
     let base = base.ok_or_else(|| wrong(format!("a radix lies between 2 and 36, not at {radix}")))?;
-    i64::from_str_radix(text.trim(), base).map_err(|_| wrong(format!("{text:.60?} is no int")))
+    i64::from_str_radix(text.trim(), base)
+        .map_err(|_| wrong(format!("{text:.60?} is no whole number of base {base}")))
 }
 
 fn parse_float(text: &str) -> Raised<f64> {

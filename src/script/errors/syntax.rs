@@ -41,8 +41,7 @@ pub(super) fn message(
             script(Code::Syntax, "'#' begins nothing").hint("comments begin with //")
         }
         P::Reserved(word) if rhai::is_valid_identifier(word) => {
-            script(Code::ReservedWord, format!("'{word}' is a reserved word"))
-                .hint("give the variable another name")
+            script(Code::ReservedWord, format!("'{word}' is a reserved word")).hint("choose another name")
         }
         P::Reserved(symbol) => script(Code::Syntax, format!("'{symbol}' has no meaning here")),
         P::PropertyExpected => match names::word_at(text, pos) {
@@ -197,6 +196,12 @@ fn lex_message(error: &LexError) -> Diagnostic {
                 _ => d,
             }
         }
+        LexError::MalformedEscapeSequence(what) => {
+            script(Code::Syntax, format!("'{what}' is no escape sequence"))
+                .hint(r"\\ is a backslash, \n a new line, \t a tab, \u263a a character by its number")
+        }
+        LexError::MalformedNumber(text) if text.is_empty() => script(Code::Syntax, "a number without digits")
+            .hint("0x1F is hexadecimal, 0b101 binary, 0o17 octal"),
         other => script(Code::Syntax, uncapitalized(&other.to_string())),
     }
 }
