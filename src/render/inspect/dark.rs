@@ -194,7 +194,8 @@ impl<'s> Causes<'s> {
             Some((_, object)) if most == blocked => {
                 let what = called(scene, object);
                 let d = black(format!("{what} stands between {lights} and what is in view"));
-                placed(scene, d, object.loc).hint("move the light or what stands in its way")
+                placed(scene, d, object.loc)
+                    .hint("move the light or what stands in its way; a shade around a light needs a transmission(...)")
             }
             _ if most == self.weak => black(match brightest {
                 Some(brightest) => format!(

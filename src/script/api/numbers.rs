@@ -14,6 +14,9 @@ fn to_int(x: f64) -> Raised<i64> {
     if (-9_223_372_036_854_775_808.0..9_223_372_036_854_775_808.0).contains(&x) {
         return Ok(x as i64);
     }
+    if x.is_nan() {
+        return Err(wrong("a whole number cannot be made of NaN".to_owned()));
+    }
     Err(wrong(format!(
         "{x} is beyond the whole numbers, which end at 9223372036854775807"
     )))
