@@ -11,7 +11,6 @@ use super::{
 use crate::{
     color::Color,
     math::{DVec3, Exponent, Ray},
-    scene::Settings,
 };
 
 /// Rays traced, by kind.
@@ -89,9 +88,6 @@ struct Pending {
 #[derive(Debug, Default)]
 pub(super) struct Stack(Vec<Pending>);
 
-/// A reflected and a refracted ray wait at each depth, and one of them is taken at once.
-const STACK: usize = Settings::MAX_DEPTH as usize + 2;
-
 /// Branches whose weight is below this in every channel are not followed: with the tree's 2^depth rays this is
 /// what ends it between two mirrors of glass, and nothing of an 8-bit picture.
 pub(super) const LEAST_WEIGHT: f64 = 1.0 / (1 << 20) as f64;
@@ -99,168 +95,39 @@ pub(super) const LEAST_WEIGHT: f64 = 1.0 / (1 << 20) as f64;
 /// Points of one sample between two looks at the interrupt.
 const POINTS_PER_POLL: u64 = 64;
 
+/// By so much the two sums of a path may differ as long as it goes on. Light that comes after it, a hundredth of white or
+/// more, makes one number of them.
+const DOUBT: f64 = 1e-19;
+
+/// Backgrounds this bright are taken to lie at the end of most paths.
+const BRIGHT: f64 = 0.02;
+
 /// Light along a camera ray, of which it is known what it meets first.
+#[inline(always)]
 pub(super) fn radiance<O: Observer>(
     world: &World<'_>,
     (probe, first): (Probe, Option<Hit>),
     sampler: Sampler,
     interrupt: &Interrupt<'_>,
-    Stack(waiting): &mut Stack,
+    stack: &mut Stack,
     counts: &mut Counts,
     observer: &mut O,
 ) -> Color {
-    let settings = &world.scene.settings;
-    let mut path = Path {
-        sampler,
-        vertex: 0,
-        interrupt,
-    };
-    let mut sum = Color::ZERO;
-    waiting.clear();
-    let mut next = Some(Pending {
-        probe,
-        weight: Color::ONE,
-        depth: 0,
-        inside: Inside::default(),
-        before: 0.0,
-    });
-    let mut known = Some(first);
     counts.camera += 1;
-    while let Some(Pending {
-        probe,
-        mut weight,
-        depth,
-        inside,
-        mut before,
-    }) = next.or_else(|| waiting.pop())
-    {
-        next = None;
-        if interrupt.is_stopped() {
-            return Color::ZERO;
-        }
-        let ray = probe.ray;
-        observer.ray(&ray, weight, depth);
-        let mut hit = known
-            .take()
-            .unwrap_or_else(|| world.nearest(&probe, f64::INFINITY));
-        let mut point = hit.as_ref().and_then(|hit| world.surface(hit, &probe.ray));
-        if let (Some(hit), Some(at)) = (&mut hit, &mut point)
-            && !at.material.transmission.is_black()
-        {
-            prefer_opaque(world, &probe, hit, at);
-        }
-        // By reference: a surface's point is too large to be moved for each ray.
-        let (Some(hit), Some(at)) = (&hit, &mut point) else {
-            if inside.is_any() {
-                weight *= polish::dimmed(world, inside, &ray, None, &path);
-                observer.dimmed(weight);
-            }
-            let mut seen = settings.background;
-            let mut added = weight * seen;
-            if let Some(around) = &world.around {
-                seen = around.beyond(seen, ray.dir);
-                added = weight * seen;
-                let way = (&ray, f64::INFINITY);
-                if let Some(air) = around.air(world, way, None, &path, counts) {
-                    observer.air(&air);
-                    added = weight * (air.passed * seen + air.scattered);
-                }
-                // The next way through air has numbers of its own.
-                path.vertex += 1;
-            }
-            observer.background(seen, added);
-            sum += added;
-            continue;
-        };
-        let footprint;
-        if world.needs_width {
-            before += (at.position - ray.origin).length();
-            let width = world.pixel_width(before);
-            world.measure(hit, &ray, at, width);
-            if world.needs_footprint {
-                footprint = world.footprint(hit, &ray, at, width);
-                at.footprint = footprint.as_ref();
-            }
-        }
-        let mut polished = None;
-        if inside.is_any() || at.material.finish.is_some() {
-            weight *= polish::dimmed(world, inside, &ray, Some((hit, at)), &path);
-            observer.dimmed(weight);
-            let finish = at.material.finish.as_deref();
-            polished = finish.map(|finish| Polished::new(world, finish, (hit, &ray), at, inside, &path));
-        }
-        let at = &*at;
-        observer.surface(hit, &ray, at);
-        let term = |term| world.term(term, at);
-        let m = at.material;
-        let gloss = Gloss {
-            diffuse: term(&m.diffuse),
-            specular: term(&m.specular),
-            exponent: Exponent::new(m.shininess),
-            custom: match &polished {
-                Some(polished) if m.reflectance.is_none() => Some(polished),
-                _ => m.reflectance.as_deref(),
-            },
-            polished: polished.as_ref().filter(|_| m.reflectance.is_none()),
-        };
-        let (mut ambient, emission) = (term(&m.ambient), term(&m.emission));
-        if let Some(around) = &world.around
-            && around.occlusion.is_some()
-            && ambient != Color::ZERO
-        {
-            ambient *= lighting::openness(world, at, hit.number, &path, counts);
-        }
-        let direct = lighting::direct(world, at, hit.number, ray.origin, &gloss, &path, counts, observer);
-        let mut added = weight * (ambient + emission + direct);
-        if let Some(around) = &world.around {
-            // Where something transparent touches something opaque, the hit counts from elsewhere.
-            let way = (&ray, (at.position - ray.origin).length());
-            if let Some(air) = around.air(world, way, Some(at), &path, counts) {
-                observer.air(&air);
-                added = weight * (air.passed * (ambient + emission + direct) + air.scattered);
-                weight *= air.passed;
-            }
-        }
-        observer.shaded(ambient, emission, direct, added);
-        sum += added;
-        path.vertex += 1;
-        if path.vertex.is_multiple_of(POINTS_PER_POLL) && interrupt.poll() {
-            return Color::ZERO;
-        }
-        if depth == settings.max_depth {
-            match &polished {
-                None => observer.deepest(world, at, &ray, weight),
-                Some(polished) if O::WATCHES => {
-                    polished.split(weight, &path, &mut AtTheEnd(observer));
-                }
-                Some(_) => {}
-            }
-            continue;
-        }
-        let (mirrored, refracted) = match &polished {
-            None => split(world, at, &ray, weight, observer),
-            Some(polished) => polished.split(weight, &path, observer),
-        };
-        // The mirrored ray goes first.
-        for (branch, count, onward) in [
-            (refracted, &mut counts.refracted, inside.left()),
-            (mirrored, &mut counts.reflected, inside),
-        ] {
-            let Some(Branch { dir, weight, inside }) = branch else {
-                continue;
-            };
-            if waiting.len() + usize::from(next.is_some()) == STACK {
-                continue;
-            }
-            *count += 1;
-            waiting.extend(next.replace(Pending {
-                probe: Probe::from_surface(Ray::new(at.position, dir), hit.number, at.scale),
-                weight,
-                depth: depth + 1,
-                inside: inside.unwrap_or(onward),
-                before,
-            }));
-        }
+    let is_bright = world.scene.settings.background.min_element() >= BRIGHT;
+    let path = (probe, first, sampler);
+    let [mut sum, other] = gather(
+        world,
+        &path,
+        if is_bright { DOUBT } else { 0.0 },
+        interrupt,
+        stack,
+        counts,
+        observer,
+    );
+    if sum != other && is_bright && !O::WATCHES {
+        // What came after it was too dark.
+        [sum, _] = gather(world, &path, 0.0, interrupt, stack, counts, observer);
     }
     if sum.is_finite() {
         sum
@@ -268,6 +135,195 @@ pub(super) fn radiance<O: Observer>(
         counts.invalid += 1;
         Color::ZERO
     }
+}
+
+/// Two colors between which the light along a camera ray lies, channel by channel. They differ by what highlights would add
+/// that nobody looked for, by `doubt` at most but for rounding; where that is 0, they are the same.
+fn gather<O: Observer>(
+    world: &World<'_>,
+    &(probe, first, sampler): &(Probe, Option<Hit>, Sampler),
+    doubt: f64,
+    interrupt: &Interrupt<'_>,
+    Stack(waiting): &mut Stack,
+    counts: &mut Counts,
+    observer: &mut O,
+) -> [Color; 2] {
+    let settings = &world.scene.settings;
+    let mut path = Path {
+        sampler,
+        vertex: 0,
+        interrupt,
+    };
+    let (mut sum, mut other_sum) = (Color::ZERO, Color::ZERO);
+    waiting.clear();
+    // Changed in place, because it is too large to be moved for each ray.
+    let mut current = Pending {
+        probe,
+        weight: Color::ONE,
+        depth: 0,
+        inside: Inside::default(),
+        before: 0.0,
+    };
+    let mut hit = first;
+    loop {
+        if interrupt.is_stopped() {
+            return [Color::ZERO; 2];
+        }
+        let ray = &current.probe.ray;
+        let Pending {
+            mut weight,
+            depth,
+            inside,
+            mut before,
+            ..
+        } = current;
+        observer.ray(ray, weight, depth);
+        let goes_on = 'point: {
+            let mut point = hit.as_ref().and_then(|hit| world.surface(hit, ray));
+            if let (Some(hit), Some(at)) = (&mut hit, &mut point)
+                && !at.material.transmission.is_black()
+            {
+                prefer_opaque(world, &current.probe, hit, at);
+            }
+            // By reference: a surface's point is too large to be moved for each ray.
+            let (Some(hit), Some(at)) = (&hit, &mut point) else {
+                if inside.is_any() {
+                    weight *= polish::dimmed(world, inside, ray, None, &path);
+                    observer.dimmed(weight);
+                }
+                let mut seen = settings.background;
+                let mut added = weight * seen;
+                if let Some(around) = &world.around {
+                    seen = around.beyond(seen, ray.dir);
+                    added = weight * seen;
+                    let way = (ray, f64::INFINITY);
+                    if let Some(air) = around.air(world, way, None, &path, counts) {
+                        observer.air(&air);
+                        added = weight * (air.passed * seen + air.scattered);
+                    }
+                    // The next way through air has numbers of its own.
+                    path.vertex += 1;
+                }
+                observer.background(seen, added);
+                sum += added;
+                other_sum += added;
+                break 'point false;
+            };
+            let footprint;
+            if world.needs_width {
+                before += (at.position - ray.origin).length();
+                let width = world.pixel_width(before);
+                world.measure(hit, ray, at, width);
+                if world.needs_footprint {
+                    footprint = world.footprint(hit, ray, at, width);
+                    at.footprint = footprint.as_ref();
+                }
+            }
+            let mut polished = None;
+            if inside.is_any() || at.material.finish.is_some() {
+                weight *= polish::dimmed(world, inside, ray, Some((hit, at)), &path);
+                observer.dimmed(weight);
+                let finish = at.material.finish.as_deref();
+                polished = finish.map(|finish| Polished::new(world, finish, (hit, ray), at, inside, &path));
+            }
+            let at = &*at;
+            observer.surface(hit, ray, at);
+            let term = |term| world.term(term, at);
+            let m = at.material;
+            let gloss = Gloss {
+                diffuse: term(&m.diffuse),
+                specular: term(&m.specular),
+                exponent: Exponent::new(m.shininess),
+                custom: match &polished {
+                    Some(polished) if m.reflectance.is_none() => Some(polished),
+                    _ => m.reflectance.as_deref(),
+                },
+                polished: polished.as_ref().filter(|_| m.reflectance.is_none()),
+            };
+            let (mut ambient, emission) = (term(&m.ambient), term(&m.emission));
+            if let Some(around) = &world.around
+                && around.occlusion.is_some()
+                && ambient != Color::ZERO
+            {
+                ambient *= lighting::openness(world, at, hit.number, &path, counts);
+            }
+            let mut faint = None;
+            if !O::WATCHES && world.may_be_faint(&gloss) && weight.min_element() >= 0.0 {
+                let place = (at, hit.number, ray.origin);
+                let whole = |sum: Color, direct| sum + weight * (ambient + emission + direct);
+                faint = lighting::highlights(world, place, &gloss, counts, |[least, most]| {
+                    let apart = whole(other_sum, most) - whole(sum, least);
+                    apart.cmple(Color::splat(doubt)).all()
+                });
+            }
+            let direct = match faint {
+                Some([least, _]) => least,
+                None => lighting::direct(world, at, hit.number, ray.origin, &gloss, &path, counts, observer),
+            };
+            let mut added = weight * (ambient + emission + direct);
+            if let Some(around) = &world.around {
+                // Where something transparent touches something opaque, the hit counts from elsewhere.
+                let way = (ray, (at.position - ray.origin).length());
+                if let Some(air) = around.air(world, way, Some(at), &path, counts) {
+                    observer.air(&air);
+                    added = weight * (air.passed * (ambient + emission + direct) + air.scattered);
+                    weight *= air.passed;
+                }
+            }
+            observer.shaded(ambient, emission, direct, added);
+            sum += added;
+            other_sum += match faint {
+                Some([_, most]) => weight * (ambient + emission + most),
+                None => added,
+            };
+            path.vertex += 1;
+            if path.vertex.is_multiple_of(POINTS_PER_POLL) && interrupt.poll() {
+                return [Color::ZERO; 2];
+            }
+            if depth == settings.max_depth {
+                match &polished {
+                    None => observer.deepest(world, at, ray, weight),
+                    Some(polished) if O::WATCHES => {
+                        polished.split(weight, &path, &mut AtTheEnd(observer));
+                    }
+                    Some(_) => {}
+                }
+                break 'point false;
+            }
+            let (mirrored, refracted) = match &polished {
+                None => split(world, at, ray, weight, observer),
+                Some(polished) => polished.split(weight, &path, observer),
+            };
+            counts.reflected += u64::from(mirrored.is_some());
+            counts.refracted += u64::from(refracted.is_some());
+            let onward = |branch: &Branch, inside: Inside| Pending {
+                probe: Probe::from_surface(Ray::new(at.position, branch.dir), hit.number, at.scale),
+                weight: branch.weight,
+                depth: depth + 1,
+                inside: branch.inside.unwrap_or(inside),
+                before,
+            };
+            match (&mirrored, &refracted) {
+                (Some(mirrored), Some(refracted)) => {
+                    // The mirrored ray goes first. So one waits at each depth.
+                    waiting.push(onward(refracted, inside.left()));
+                    current = onward(mirrored, inside);
+                }
+                (Some(mirrored), None) => current = onward(mirrored, inside),
+                (None, Some(refracted)) => current = onward(refracted, inside.left()),
+                (None, None) => break 'point false,
+            }
+            true
+        };
+        if !goes_on {
+            let Some(next) = waiting.pop() else {
+                break;
+            };
+            current = next;
+        }
+        hit = world.nearest(&current.probe, f64::INFINITY);
+    }
+    [sum, other_sum]
 }
 
 /// Where something transparent touches something opaque, as a block of glass touches the table it stands on, what a

@@ -172,7 +172,7 @@ pub struct Tile<'p> {
 pub struct RenderStats {
     /// Rays from the camera.
     pub camera_rays: u64,
-    /// Rays towards lights.
+    /// Rays towards lights, without those for highlights too faint to change a sum.
     pub shadow_rays: u64,
     /// Mirrored rays, total internal reflection included.
     pub reflected_rays: u64,

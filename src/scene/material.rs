@@ -149,6 +149,13 @@ impl Material {
             .collect()
     }
 
+    /// Lets a shadow ray bring at most what a light sends, whatever the place; false where that is not plain.
+    pub(crate) fn only_dims(&self) -> bool {
+        let Term { color, texture } = &self.transmission;
+        let is_share = color.cmpge(Color::ZERO).all() && color.cmple(Color::ONE).all();
+        self.is_opaque() || texture.is_none() && is_share && self.finish.is_none()
+    }
+
     /// Its parts as bits, equal exactly where two materials are the same.
     pub(crate) fn key(&self) -> MaterialKey {
         let term = |t: &Term| {

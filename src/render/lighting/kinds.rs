@@ -143,7 +143,8 @@ impl Lit<'_> {
                 .is_some_and(|c| self.is_behind(c - self.at.position));
             if !is_behind && let Some(mut sent) = sent(self.world, index, self.at.position, (0.0, 0.0)) {
                 self.fade(&mut sent);
-                self.add(sum, sent.arriving, sent.towards, sent.distance, counts, observer);
+                let way = (sent.towards, sent.distance);
+                self.add(sum, sent.arriving, way, counts.luck_and_shadows(index), observer);
             }
             return;
         }

@@ -7,6 +7,7 @@
 
 mod area;
 mod around;
+mod faint;
 mod kinds;
 mod lamp;
 mod surface;
@@ -14,6 +15,7 @@ mod surface;
 mod tests;
 
 pub(super) use around::{openness, scattered};
+pub(super) use faint::highlights;
 pub(super) use kinds::shines_at;
 pub(super) use lamp::Lamp;
 
@@ -94,7 +96,8 @@ pub(super) fn direct<O: Observer>(
         match &light.kind {
             LightKind::Directional { direction } => {
                 let color = light.color;
-                lit.add(&mut sum, color, *direction, f64::INFINITY, counts, observer);
+                let way = (*direction, f64::INFINITY);
+                lit.add(&mut sum, color, way, counts.luck_and_shadows(index), observer);
             }
             LightKind::Point {
                 position,
@@ -106,7 +109,8 @@ pub(super) fn direct<O: Observer>(
                 }
                 let distance = offset.length();
                 let color = light.color * attenuation.at(distance);
-                lit.add(&mut sum, color, offset / distance, distance, counts, observer);
+                let way = (offset / distance, distance);
+                lit.add(&mut sum, color, way, counts.luck_and_shadows(index), observer);
             }
             LightKind::Area {
                 corner,
@@ -149,15 +153,27 @@ pub(super) fn direct<O: Observer>(
     sum
 }
 
-/// Whether looking for the obstacles before area lights led to anything lately. After misses in a row it is left out
-/// for a while, which changes the time a picture takes and nothing else.
+/// What points have in common with those before them, which changes the time a picture takes and nothing else.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Luck {
+    /// Whether looking for the obstacles before area lights led to anything lately. After misses in a row it is left out
+    /// for a while.
     misses: u32,
     pause: u32,
+    /// The primitives that stood before lights, by the number of the light; any number will do at the beginning.
+    before: [u64; Self::LIGHTS],
 }
 
 impl Luck {
+    /// Lights that have a primitive each.
+    const LIGHTS: usize = 4;
+
+    /// What stood before the light of this number.
+    #[inline(always)]
+    fn before(&mut self, light: usize) -> &mut u64 {
+        &mut self.before[light % Self::LIGHTS]
+    }
+
     fn is_worth_a_try(&mut self) -> bool {
         let now = self.pause == 0;
         self.pause = self.pause.saturating_sub(1);
@@ -167,6 +183,14 @@ impl Luck {
     fn remember(&mut self, found: bool) {
         self.misses = if found { 0 } else { (self.misses + 1).min(6) };
         self.pause = (1 << self.misses) - 1;
+    }
+}
+
+impl Counts {
+    /// What stood before the light of this number lately, and the count of shadow rays.
+    #[inline(always)]
+    fn luck_and_shadows(&mut self, light: usize) -> (&mut u64, &mut u64) {
+        (self.luck.before(light), &mut self.shadow)
     }
 }
 
@@ -206,16 +230,29 @@ impl Lit<'_> {
         &self,
         sum: &mut Color,
         arriving: Color,
-        towards: DVec3,
-        distance: f64,
-        counts: &mut Counts,
+        way: (DVec3, f64),
+        last: (&mut u64, &mut u64),
         observer: &mut O,
     ) {
-        let response = self.respond(towards);
+        let response = self.respond(way.0);
         if response != Color::ZERO {
-            counts.shadow += 1;
-            *sum += self.arrived((towards, distance), None, arriving, response, observer);
+            *sum += self.arrived_after(last, way, (arriving, response), observer);
         }
+    }
+
+    /// As [`Lit::arrived`], where what stood in the way lately is looked at first; counts the ray.
+    #[inline]
+    fn arrived_after<O: Observer>(
+        &self,
+        (last, shadows): (&mut u64, &mut u64),
+        (towards, distance): (DVec3, f64),
+        (arriving, response): (Color, Color),
+        observer: &mut O,
+    ) -> Color {
+        *shadows += 1;
+        let (probe, reach) = self.shadow_ray(towards, distance);
+        let visible = self.world.share_after(&probe, reach, last);
+        self.seen((&probe, reach), visible, (arriving, response), observer)
     }
 
     /// What is added for light that `arriving` of arrives from a point of a light where nothing is in between.
@@ -230,9 +267,21 @@ impl Lit<'_> {
     ) -> Color {
         let (probe, reach) = self.shadow_ray(towards, distance);
         let visible = self.world.share_through(&probe, reach, few);
+        self.seen((&probe, reach), visible, (arriving, response), observer)
+    }
+
+    /// What is added for light that this share of comes through.
+    #[inline(always)]
+    fn seen<O: Observer>(
+        &self,
+        (probe, reach): (&Probe, f64),
+        visible: Color,
+        (arriving, response): (Color, Color),
+        observer: &mut O,
+    ) -> Color {
         let added = visible * arriving * response;
         let arrived = Arrived {
-            probe: &probe,
+            probe,
             reach,
             arriving,
             visible,

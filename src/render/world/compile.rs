@@ -19,7 +19,9 @@ use crate::{
     diag::{Diagnostic, Error, ErrorKind},
     host::{Host, NoHost},
     math::{Bounds3, DAffine3, is_singular},
-    scene::{Geometry, Group, GroupId, MaterialId, Mesh, MeshId, Object, ROOT_GROUP, Scene, Shutter},
+    scene::{
+        Geometry, Group, GroupId, Material, MaterialId, Mesh, MeshId, Object, ROOT_GROUP, Scene, Shutter,
+    },
     shape::Shape,
 };
 
@@ -98,6 +100,7 @@ impl<'s> World<'s> {
             lamps: Lamp::of_all(scene).into(),
             around: Around::new(scene),
             is_linked: scene.root().lights.iter().any(|light| !light.links.is_all()),
+            shadows_dim: scene.materials.iter().all(Material::only_dims),
             uv_everywhere: false,
             needs_width: scene.textures.iter().any(|texture| texture.asks_for_width()),
             needs_footprint: scene.textures.iter().any(|texture| texture.asks_for_footprint()),
@@ -351,6 +354,11 @@ impl<'s> Compiler<'s, '_> {
             level.unbounded = (0..primitives.len() as u32).filter(everywhere).collect();
             primitives.retain(|primitive| primitive.bounds() != Box32::EVERYTHING);
         }
+        level.has_opaque_tree = level.transparent.is_empty()
+            || !level.instances.is_empty()
+            || (0..level.primitives() as u32).any(|index| {
+                !level.may_be_transparent(index) && level.unbounded.binary_search(&index).is_err()
+            });
         self.go_on()?;
         let kept = self.trees.map(|trees| (trees, Key::of(&level, &primitives)));
         if !kept.is_some_and(|(trees, key)| trees.lend(&key, &mut level)) {

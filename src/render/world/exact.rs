@@ -104,6 +104,12 @@ impl<const ANY: bool> Exact<'_, '_, '_, ANY> {
             .is_some_and(|Crossing { t, part }| self.offer(index, t, part))
     }
 
+    /// Notes which primitive ends the search, where no test in f64 was needed.
+    #[inline(always)]
+    pub(super) fn stop_at(&mut self, index: u32) {
+        self.query.best.number = self.base + u64::from(index);
+    }
+
     #[inline]
     fn offer(&mut self, index: u32, t: f64, part: u32) -> bool {
         let hit = Hit {

@@ -40,6 +40,8 @@ pub(crate) struct Level<'s> {
     pub(super) bounds: Option<Bounds3>,
     /// One bit for each primitive that may let light through; empty where none does.
     pub(super) transparent: Vec<u64>,
+    /// Some primitive in the tree lets no light through, or is an instance.
+    pub(super) has_opaque_tree: bool,
     /// Numbers that this level's primitives take, those of placed levels included.
     pub(super) numbers: u64,
 }

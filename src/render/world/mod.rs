@@ -82,6 +82,8 @@ pub struct World<'s> {
     pub(super) lamps: Arc<[Lamp]>,
     /// Some lights do not reach all shapes.
     pub(super) is_linked: bool,
+    /// What shadow rays pass brings nowhere more light than is sent, nor less than none.
+    pub(super) shadows_dim: bool,
     /// Environment, ambient occlusion, fog and haze, where there is any of them.
     pub(super) around: Option<Arc<Around<'s>>>,
     /// Texture coordinates are wanted of every surface, also where no texture asks for them.

@@ -31,6 +31,7 @@ impl<'s> World<'s> {
             interrupt: self.interrupt,
             lamps: Arc::clone(&self.lamps),
             is_linked: self.is_linked,
+            shadows_dim: self.shadows_dim,
             around: self.around.clone(),
             uv_everywhere: self.uv_everywhere,
             needs_width: self.needs_width,

@@ -235,6 +235,7 @@ impl<'p> Query<'p> {
             self.met_transparent = true;
             return false;
         }
+        best.number = hit.number;
         true
     }
 }

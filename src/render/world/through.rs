@@ -49,6 +49,20 @@ impl World<'_> {
         }
     }
 
+    /// As [`World::share_through`] where it is not known what the ray may meet, but what stood in the way of the ray
+    /// before, which is the `last` and is looked at first.
+    #[inline]
+    pub(crate) fn share_after(&self, probe: &Probe, t_max: f64, last: &mut u64) -> Color {
+        if self.may_be_transparent() {
+            return self.share_through(probe, t_max, None);
+        }
+        if self.is_blocked(probe, t_max, last) {
+            Color::ZERO
+        } else {
+            Color::ONE
+        }
+    }
+
     /// As [`World::share_through`], from surface to surface, a search for each: however near to each other they
     /// are and whatever they look like.
     pub(super) fn share_by_steps(&self, probe: Probe, t_max: f64) -> Color {
@@ -179,18 +193,17 @@ impl World<'_> {
                 return Control::Stop;
             }
         }
+        if !walk.census.counts_in_tree(level) {
+            return Control::Continue;
+        }
         let ray32 = Ray32::new(ray);
         let range = range(probe.t_min, walk.census.reach());
-        walk.prepared = (level.has_blocks() || !level.cuboid_blocks.is_empty()).then(|| {
-            let ray_block = RayBlock::new(&ray32, level.extent as f32);
-            Prepared {
-                ray_sphere: RaySphere::new(&ray_block),
-                ray_cuboid: RayCuboid::new(&ray32, level.cuboid_extent),
-                ray_block,
-                range,
-            }
-        });
         let ray_box = RayBox::new(&ray32, level.bvh.extent());
+        walk.prepared = Some(Prepared {
+            ray32,
+            range,
+            for_blocks: None,
+        });
         level
             .bvh
             .traverse::<true>(&ray_box, range.possible, range.bound, &mut walk);
@@ -210,6 +223,10 @@ trait Census {
     fn reach(&self) -> f64;
     /// Whether the primitive `index` of a level counts at all.
     fn counts(&self, level: &Level, index: u32) -> bool;
+    /// False where nothing in the tree of a level counts.
+    fn counts_in_tree(&self, _level: &Level) -> bool {
+        true
+    }
     /// A primitive that counts is met at `t`, its own crossings in ascending order.
     fn meet(&mut self, level: &Level, index: u32, number: u64, t: f64) -> Control;
     /// Something that may let light through is met more often than can be listed.
@@ -290,6 +307,10 @@ impl Census for OpaqueWithin {
         level.group.is_none() || !level.may_be_transparent(index)
     }
 
+    fn counts_in_tree(&self, level: &Level) -> bool {
+        level.group.is_none() || level.has_opaque_tree
+    }
+
     #[inline]
     fn meet(&mut self, _: &Level, _: u32, _: u64, t: f64) -> Control {
         if t <= self.0 {
@@ -315,13 +336,23 @@ struct Walk<'a, 's, C> {
     control: Control,
 }
 
-/// A ray prepared for the tests of blocks.
-#[derive(Clone, Copy)]
+/// A ray on its way through a tree.
 struct Prepared {
-    ray_block: RayBlock,
-    ray_sphere: RaySphere,
-    ray_cuboid: RayCuboid,
+    ray32: Ray32,
     range: Range,
+    /// Made when the first block of triangles or spheres is met.
+    for_blocks: Option<(RayBlock, RaySphere)>,
+}
+
+impl Prepared {
+    /// Prepares the ray for the blocks of a level.
+    #[inline(always)]
+    fn for_blocks(&mut self, level: &Level) -> &(RayBlock, RaySphere) {
+        self.for_blocks.get_or_insert_with(|| {
+            let ray_block = RayBlock::new(&self.ray32, level.extent as f32);
+            (ray_block, RaySphere::new(&ray_block))
+        })
+    }
 }
 
 impl<C: Census> Visitor for Walk<'_, '_, C> {
@@ -362,44 +393,53 @@ impl<'a, 's, C: Census> Walk<'a, 's, C> {
     #[inline(always)]
     fn look<L: Lanes>(&mut self, lanes: L, leaf: Child) -> Control {
         let level = self.level;
-        match (leaf.kind(), self.prepared) {
-            (LeafKind::Others, _) => {
+        match leaf.kind() {
+            LeafKind::Others => {
                 for &index in level.bvh.others(leaf) {
                     if self.primitive(index) == Control::Stop {
                         return Control::Stop;
                     }
                 }
             }
-            (LeafKind::Triangles, Some(ray)) => {
+            LeafKind::Triangles => {
                 if let Some(block) = level.triangle_blocks.get(leaf.first()) {
                     let counted = self.counted(&block.ids, 0);
-                    if counted != 0 {
-                        let found = block.candidates(lanes, &ray.ray_block, ray.range);
+                    if counted != 0
+                        && let Some(ray) = &mut self.prepared
+                    {
+                        let range = ray.range;
+                        let (ray_block, _) = ray.for_blocks(level);
+                        let found = block.candidates(lanes, ray_block, range);
                         return self.lanes(&block.ids, 0, counted & found.possible);
                     }
                 }
             }
-            (LeafKind::Spheres, Some(ray)) => {
+            LeafKind::Spheres => {
                 if let Some(block) = level.sphere_blocks.get(leaf.first()) {
                     let first = level.triangles.len() as u32;
                     let counted = self.counted(&block.ids, first);
-                    if counted != 0 {
-                        let [possible, _] =
-                            block.candidates(lanes, &ray.ray_block, &ray.ray_sphere, ray.range);
+                    if counted != 0
+                        && let Some(ray) = &mut self.prepared
+                    {
+                        let range = ray.range;
+                        let (ray_block, ray_sphere) = ray.for_blocks(level);
+                        let [possible, _] = block.candidates(lanes, ray_block, ray_sphere, range);
                         return self.lanes(&block.ids, first, counted & possible);
                     }
                 }
             }
-            (LeafKind::Cuboids, Some(ray)) => {
+            LeafKind::Cuboids => {
                 if let Some(block) = level.cuboid_blocks.get(leaf.first()) {
                     let counted = self.counted(&block.ids, 0);
-                    if counted != 0 {
-                        let found = block.candidates(&ray.ray_cuboid, ray.range);
+                    if counted != 0
+                        && let Some(ray) = &self.prepared
+                    {
+                        let ray_cuboid = RayCuboid::new(&ray.ray32, level.cuboid_extent);
+                        let found = block.candidates(&ray_cuboid, ray.range);
                         return self.lanes(&block.ids, 0, counted & found.possible);
                     }
                 }
             }
-            (_, None) => {}
         }
         Control::Continue
     }

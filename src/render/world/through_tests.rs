@@ -60,6 +60,36 @@ proptest! {
     }
 
     #[test]
+    fn what_is_looked_at_first_does_not_matter(
+        groups in prop::collection::vec(prop::collection::vec(placed(), 1..6), 0..3),
+        root in prop::collection::vec(placed(), 1..12),
+        rays in prop::collection::vec((vector(8.0), vector(1.0), prop_oneof![Just(f64::INFINITY), 0.1..20.0f64]), 20),
+        lasts in prop::collection::vec(0..24u64, 20),
+        glass in any::<bool>(),
+    ) {
+        let plain = scene(&groups, &root, 1.0);
+        let scene = if glass { glaze(plain) } else { plain };
+        let world = World::compile(&scene).unwrap();
+        let mut kept = 0;
+        for ((origin, dir, reach), last) in rays.into_iter().zip(lasts) {
+            prop_assume!(dir.length() > 1e-3);
+            let ray = Ray::new(origin, dir.normalize());
+            let mut probes = vec![Probe::from_space(ray)];
+            if let Some(hit) = world.nearest(&probes[0], f64::INFINITY) {
+                let at = world.surface(&hit, &ray).unwrap();
+                probes.push(Probe::from_surface(Ray::new(at.position, ray.dir), hit.number, at.scale));
+            }
+            for probe in probes {
+                let share = world.share_through(&probe, reach, None);
+                prop_assert_eq!(world.share_after(&probe, reach, &mut kept), share);
+                for mut other in [last, u64::MAX, probe.start] {
+                    prop_assert_eq!(world.share_after(&probe, reach, &mut other), share);
+                }
+            }
+        }
+    }
+
+    #[test]
     fn few_obstacles_are_all_that_rays_to_an_area_meet(
         root in prop::collection::vec(placed(), 1..12),
         views in prop::collection::vec((vector(8.0), vector(1.0), vector(6.0), vector(2.0), vector(2.0)), 20),

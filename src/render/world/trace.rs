@@ -34,6 +34,31 @@ impl World<'_> {
         query.blocker(stopped)
     }
 
+    /// Whether anything is met before `t_max`, in a world where nothing lets light through. `last` is the number of what
+    /// was in the way of a ray like this one, which is tried first, and of what is in its own way then.
+    pub(super) fn is_blocked(&self, probe: &Probe, t_max: f64, last: &mut u64) -> bool {
+        let Some(root) = self.root() else {
+            return false;
+        };
+        let mut query = Query::new(probe, t_max);
+        let own = (root.primitives() - root.instances.len()) as u64;
+        if *last < own {
+            let mut exact = Exact::<true> {
+                world: self,
+                level: root,
+                base: 0,
+                ray: &probe.ray,
+                query: &mut query,
+            };
+            if exact.any(*last as u32) {
+                return true;
+            }
+        }
+        let stopped = self.search::<true>(root, 0, &probe.ray, &mut query);
+        *last = query.best.number;
+        stopped
+    }
+
     /// As [`World::nearest`], without the tree.
     #[cfg(test)]
     pub(super) fn nearest_brute(&self, probe: &Probe, t_max: f64) -> Option<Hit> {
@@ -258,8 +283,10 @@ impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
     /// Whether any of a block's triangles ends the search.
     #[inline]
     fn any_of(&mut self, ids: &[u32; BLOCK], possible: u32, certain: u32) -> bool {
-        let ends = |lane: usize| ids[lane] != self.start && !self.exact.level.may_be_transparent(ids[lane]);
-        if lanes_of(certain).any(ends) {
+        let ends =
+            |lane: &usize| ids[*lane] != self.start && !self.exact.level.may_be_transparent(ids[*lane]);
+        if let Some(lane) = lanes_of(certain).find(ends) {
+            self.exact.stop_at(ids[lane]);
             return true;
         }
         let ray = TriangleRay::new(self.exact.ray);
@@ -313,7 +340,8 @@ impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
         if ANY && certain != 0 {
             let first = level.triangles.len() as u32;
             let ends = |index: u32| index != self.start && !level.may_be_transparent(index);
-            if lanes_of(certain).any(|lane| ends(first + block.ids[lane])) {
+            if let Some(lane) = lanes_of(certain).find(|lane| ends(first + block.ids[*lane])) {
+                self.exact.stop_at(first + block.ids[lane]);
                 return true;
             }
         }
@@ -342,8 +370,11 @@ impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
         }
         if ANY {
             let ends = |index: u32| index != self.start && !level.may_be_transparent(index);
-            return lanes_of(found.certain).any(|lane| ends(block.ids[lane]))
-                || lanes_of(found.possible).any(|lane| self.exact.any(block.ids[lane]));
+            if let Some(lane) = lanes_of(found.certain).find(|lane| ends(block.ids[*lane])) {
+                self.exact.stop_at(block.ids[lane]);
+                return true;
+            }
+            return lanes_of(found.possible).any(|lane| self.exact.any(block.ids[lane]));
         }
         let [least, most] = found.t;
         for lane in lanes_of(found.certain) {

@@ -1,6 +1,7 @@
 //! Lights against what can be worked out with pen and paper.
 
 mod around;
+mod faint;
 
 use std::sync::Arc;
 
