@@ -58,16 +58,18 @@ impl Candidates {
     };
 }
 
-/// Four triangles: one corner, two edges, and the size of the edges.
+/// Four triangles: one corner and two edges.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(16))]
 pub struct Triangles {
     pub(super) corner: [[f32; BLOCK]; 3],
     pub(super) edge1: [[f32; BLOCK]; 3],
     pub(super) edge2: [[f32; BLOCK]; 3],
-    pub(super) extent: [f32; BLOCK],
-    /// Triangle indices; [`NONE`] in empty lanes.
+    /// Triangle indices; [`NONE`] in empty lanes, which alone has the top bit.
     pub ids: [u32; BLOCK],
+    /// Where the corners of each are kept in full: here because a look into the list of triangles is one that no cache
+    /// foresees.
+    pub corners: [[u32; 3]; BLOCK],
 }
 
 impl Triangles {
@@ -76,8 +78,8 @@ impl Triangles {
         corner: [[0.0; BLOCK]; 3],
         edge1: [[0.0; BLOCK]; 3],
         edge2: [[0.0; BLOCK]; 3],
-        extent: [-1.0; BLOCK],
         ids: [NONE; BLOCK],
+        corners: [[0; 3]; BLOCK],
     };
 
     /// Puts a triangle into a lane.
@@ -88,9 +90,14 @@ impl Triangles {
             self.edge1[k][lane] = e1[k] as f32;
             self.edge2[k][lane] = e2[k] as f32;
         }
-        let size = |e: DVec3| e.x.abs() + e.y.abs() + e.z.abs();
-        self.extent[lane] = super::boxes::round_up(size(e1).max(size(e2)) * (1.0 + 1e-6));
         self.ids[lane] = id;
+    }
+
+    /// L of each triangle, no less: the factor is for the roundings of the edges and of the sums.
+    #[inline(always)]
+    pub(super) fn sizes(e1: [F4; 3], e2: [F4; 3]) -> F4 {
+        let size = |[x, y, z]: [F4; 3]| x.abs().add(y.abs()).add(z.abs());
+        size(e1).max(size(e2)).mul(F4::splat(1.0 + 1e-6))
     }
 
     /// The ray-triangle test of Moeller and Trumbore ("Fast, minimum storage ray/triangle intersection", 1997)
@@ -109,7 +116,7 @@ impl Triangles {
         let u = dot(lanes, s, p).flip(sign);
         let q = cross(lanes, s, e1);
         let v = dot(lanes, d, q).flip(sign);
-        let extent = F4::from_array(self.extent);
+        let extent = Self::sizes(e1, e2);
         let extent2 = extent.mul(extent);
         let least_slack = F4::splat(ray.slack_least);
         let slack = lanes.mul_add4(F4::splat(ray.slack_edge), extent, least_slack);
@@ -124,8 +131,8 @@ impl Triangles {
             .below(F4::splat(0.0))
             .or(det.add(slack_w).below(uv));
         let sure = slack_det.below(det);
-        // An empty lane's negative size has the top bit.
-        let near = !aside.and(sure).or(extent).bits() & 15;
+        let empty = F4::from_array(self.ids.map(f32::from_bits));
+        let near = !aside.and(sure).or(empty).bits() & 15;
         if near == 0 {
             return Candidates::NONE;
         }

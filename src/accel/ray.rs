@@ -101,6 +101,23 @@ pub struct RayBox {
     pub(super) offset_far: [f32; 4],
 }
 
+/// Planes of entry and exit, by axis, for the signs of a direction.
+const PLANES: [[[usize; 3]; 2]; 8] = {
+    let mut planes = [[[0, 1, 2], [3, 4, 5]]; 8];
+    let mut signs = 0;
+    while signs < 8 {
+        let mut axis = 0;
+        while axis < 3 {
+            let turned = 3 * (signs >> axis & 1);
+            planes[signs][0][axis] += turned;
+            planes[signs][1][axis] -= turned;
+            axis += 1;
+        }
+        signs += 1;
+    }
+    planes
+};
+
 impl RayBox {
     /// Prepares a ray for boxes whose coordinates are at most `extent` in size.
     #[inline(always)]
@@ -122,13 +139,7 @@ impl RayBox {
             .mul(F4::splat(3.0 * f32::EPSILON))
             .add(F4::splat(f32::MIN_POSITIVE))
             .mul(stretched.abs());
-        let signs = sign.bits() as usize;
-        let (mut near, mut far) = ([0, 1, 2], [3, 4, 5]);
-        for k in 0..3 {
-            let turned = 3 * (signs >> k & 1);
-            near[k] += turned;
-            far[k] -= turned;
-        }
+        let [near, far] = PLANES[sign.bits() as usize & 7];
         Self {
             near,
             far,

@@ -4,12 +4,10 @@
 
 use std::mem::MaybeUninit;
 
-#[cfg(target_arch = "x86_64")]
-use super::lanes::{Avx2, Avx512, Sse2};
 use super::{
     boxes::{Child, Node},
     build::Bvh,
-    lanes::{Lanes, Portable, Simd, prefetch},
+    lanes::{Lanes, Simd, Task, prefetch},
     ray::RayBox,
 };
 
@@ -50,6 +48,30 @@ struct Waiting {
     entry: f32,
 }
 
+/// Aligned to a line of the cache, and with it all else that a walk keeps on the processor's own stack: a register of
+/// eight lanes that is put there must not straddle two lines.
+#[repr(align(64))]
+struct Stack([MaybeUninit<Waiting>; STACK]);
+
+/// A walk through a tree.
+struct Walk<'a, V, const ANY: bool> {
+    bvh: &'a Bvh,
+    ray: &'a RayBox,
+    t_near: f32,
+    bound: f32,
+    visitor: &'a mut V,
+}
+
+impl<V: Visitor, const ANY: bool> Task for Walk<'_, V, ANY> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) {
+        self.bvh
+            .traverse_with::<_, ANY>(lanes, self.ray, self.t_near, self.bound, self.visitor);
+    }
+}
+
 impl Bvh {
     /// Shows `visitor` each leaf whose box the ray enters between `t_near`, which is at most 0, and `bound`,
     /// roughly nearest first; with `ANY` in the order of what they promise.
@@ -70,10 +92,6 @@ impl Bvh {
     }
 
     #[inline(always)]
-    #[cfg_attr(
-        not(target_arch = "x86_64"),
-        allow(unused_unsafe, reason = "portable lanes need no instructions")
-    )]
     fn traverse_by<const ANY: bool>(
         &self,
         simd: Simd,
@@ -82,53 +100,18 @@ impl Bvh {
         bound: f32,
         visitor: &mut impl Visitor,
     ) {
-        // SAFETY: only what the processor has is ever named.
-        unsafe {
-            match simd {
-                Simd::Portable => self.traverse_with::<_, ANY>(Portable, ray, t_near, bound, visitor),
-                #[cfg(target_arch = "x86_64")]
-                Simd::Sse2 => self.traverse_with::<_, ANY>(Sse2, ray, t_near, bound, visitor),
-                #[cfg(target_arch = "x86_64")]
-                Simd::Avx2 => self.traverse_avx2::<ANY>(ray, t_near, bound, visitor),
-                #[cfg(target_arch = "x86_64")]
-                Simd::Avx512 => self.traverse_avx512::<ANY>(ray, t_near, bound, visitor),
-            }
-        }
+        simd.run(Walk::<_, ANY> {
+            bvh: self,
+            ray,
+            t_near,
+            bound,
+            visitor,
+        });
     }
 
-    /// # Safety
-    /// The processor must have these features.
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
-    unsafe fn traverse_avx2<const ANY: bool>(
-        &self,
-        ray: &RayBox,
-        t_near: f32,
-        bound: f32,
-        visitor: &mut impl Visitor,
-    ) {
-        // SAFETY: the caller's promise.
-        unsafe { self.traverse_with::<_, ANY>(Avx2::assume(), ray, t_near, bound, visitor) }
-    }
-
-    /// # Safety
-    /// The processor must have these features.
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,avx512f,avx512vl,avx512dq,avx512bw")]
-    unsafe fn traverse_avx512<const ANY: bool>(
-        &self,
-        ray: &RayBox,
-        t_near: f32,
-        bound: f32,
-        visitor: &mut impl Visitor,
-    ) {
-        // SAFETY: the caller's promise.
-        unsafe { self.traverse_with::<_, ANY>(Avx512::assume(), ray, t_near, bound, visitor) }
-    }
-
-    /// The traversal itself, for any lanes.
+    /// As [`Bvh::traverse`], with the instructions at hand.
     #[inline(always)]
-    fn traverse_with<L: Lanes, const ANY: bool>(
+    pub fn traverse_with<L: Lanes, const ANY: bool>(
         &self,
         lanes: L,
         ray: &RayBox,
@@ -145,10 +128,10 @@ impl Bvh {
         let inverse_far = splat(lanes, ray.inverse_far);
         let offset_near = splat(lanes, ray.offset_near);
         let offset_far = splat(lanes, ray.offset_far);
+        let t_near = lanes.splat(t_near);
         let (node_memory, block_memory) = ((nodes.cast(), size_of::<Node>()), visitor.blocks());
         let ask_for = |child: Child| prefetch_child(child, node_memory, block_memory);
-        let t_near = lanes.splat(t_near);
-        let mut stack: [MaybeUninit<Waiting>; STACK] = [const { MaybeUninit::uninit() }; STACK];
+        let Stack(stack) = &mut Stack([const { MaybeUninit::uninit() }; STACK]);
         let mut top = 0usize;
         let mut current = Child(0);
         loop {

@@ -53,7 +53,7 @@ pub struct TriangleHit {
 
 impl TriangleRay {
     /// Prepares a ray. One without direction, or with numbers that are not finite, meets nothing.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn new(ray: &Ray) -> Self {
         let d = ray.dir;
@@ -71,7 +71,7 @@ impl TriangleRay {
 
     /// The axes in the order in which the test takes them: across, across, along the direction `d`, which is the
     /// first of those along which it is longest.
-    #[inline]
+    #[inline(always)]
     pub(super) fn axes(d: DVec3) -> [usize; 3] {
         let [x, y, z] = d.abs().to_array();
         if x >= y && x >= z {
@@ -91,7 +91,7 @@ impl TriangleRay {
         self.shear(ordered(self.axes, &p))
     }
 
-    #[inline]
+    #[inline(always)]
     fn shear(&self, [px, py, pz]: [f64; 3]) -> [f64; 3] {
         let [ox, oy, oz] = self.origin;
         let z = pz - oz;
@@ -107,7 +107,7 @@ impl TriangleRay {
 
     /// Where the line meets the triangle, seen from either side; t is not limited. A degenerate triangle and
     /// one seen exactly from its edge are not met.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn intersect(&self, [a, b, c]: [&DVec3; 3]) -> Option<TriangleHit> {
         let [ax, ay, az] = self.shear(ordered(self.axes, a));

@@ -7,8 +7,6 @@
 mod x86;
 
 use super::four::F4;
-#[cfg(target_arch = "x86_64")]
-pub(super) use x86::{Avx2, Avx512, Sse2};
 
 /// Sets of instructions for the conservative tests, the plainest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -93,10 +91,58 @@ impl Simd {
     }
 }
 
+/// What is to be done with the instructions at hand.
+pub trait Task {
+    /// What comes of it.
+    type Output;
+    /// Does it. To be compiled with those instructions it has to be inlined, and so has what it calls.
+    fn run<L: Lanes>(self, lanes: L) -> Self::Output;
+}
+
+impl Simd {
+    /// Does a task with these instructions, which the processor must have: [`Simd::detect`] names no others.
+    #[inline(always)]
+    #[cfg_attr(
+        not(target_arch = "x86_64"),
+        allow(unused_unsafe, reason = "portable lanes need no instructions")
+    )]
+    pub(in crate::accel) fn run<T: Task>(self, task: T) -> T::Output {
+        // Asked first: a branch that can be foreseen, where four ways would be a jump through a table.
+        #[cfg(target_arch = "x86_64")]
+        if self == Self::Avx2 {
+            // SAFETY: only what the processor has is ever named.
+            return unsafe { x86::avx2(task) };
+        }
+        // SAFETY: as above.
+        unsafe {
+            match self {
+                Self::Portable => portable(task),
+                #[cfg(target_arch = "x86_64")]
+                Self::Sse2 => x86::sse2(task),
+                #[cfg(target_arch = "x86_64")]
+                Self::Avx2 => x86::avx2(task),
+                #[cfg(target_arch = "x86_64")]
+                Self::Avx512 => x86::avx512(task),
+            }
+        }
+    }
+}
+
+/// Does a task with the fastest instructions that the processor has.
+#[inline(always)]
+pub fn run<T: Task>(task: T) -> T::Output {
+    Simd::detect().run(task)
+}
+
+/// A function of its own: where it is not taken it must not take room on the stack.
+#[inline(never)]
+fn portable<T: Task>(task: T) -> T::Output {
+    task.run(Portable)
+}
+
 /// Eight lanes of f32, and what four lanes can do besides their own.
 ///
-/// A value of an implementing type is the proof that the processor has its instructions: only
-/// [`Bvh::traverse`](super::Bvh::traverse) makes one.
+/// A value of an implementing type is the proof that the processor has its instructions: only [`Simd::run`] makes one.
 pub trait Lanes: Copy {
     /// Eight lanes.
     type F8: Copy;
@@ -122,7 +168,7 @@ pub trait Lanes: Copy {
 
 /// Plain arithmetic.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Portable;
+pub(in crate::accel) struct Portable;
 
 #[inline(always)]
 fn zip(a: [f32; 8], b: [f32; 8], f: impl Fn(f32, f32) -> f32) -> [f32; 8] {

@@ -1,38 +1,47 @@
 //! The lanes of x86-64.
 //!
 //! Every `unsafe` block here calls one intrinsic, and for each the reason is the same: a value of the
-//! implementing type exists, so the processor has its instructions. SSE2 is part of the target.
+//! implementing type exists, so the processor has its instructions: only [`avx2`] and [`avx512`] make one, for which
+//! their callers promise that. SSE2 is part of the target.
 
 use std::arch::x86_64::*;
 
-use super::{F4, Lanes};
+use super::{F4, Lanes, Task};
 
 /// Two registers of four lanes.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::accel) struct Sse2;
+pub(super) struct Sse2;
 
 /// One register of eight lanes.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::accel) struct Avx2(());
+pub(super) struct Avx2(());
 
 /// As [`Avx2`], encoded with thirty-two registers and masks.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::accel) struct Avx512(());
+pub(super) struct Avx512(());
 
-impl Avx2 {
-    /// # Safety
-    /// The processor has AVX2 and FMA.
-    pub(in crate::accel) unsafe fn assume() -> Self {
-        Self(())
-    }
+/// Does a task.
+#[inline(never)]
+pub(super) fn sse2<T: Task>(task: T) -> T::Output {
+    task.run(Sse2)
 }
 
-impl Avx512 {
-    /// # Safety
-    /// The processor has AVX2, FMA, AVX-512F and AVX-512VL.
-    pub(in crate::accel) unsafe fn assume() -> Self {
-        Self(())
-    }
+/// Does a task.
+///
+/// # Safety
+/// The processor has these features.
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt")]
+pub(super) unsafe fn avx2<T: Task>(task: T) -> T::Output {
+    task.run(Avx2(()))
+}
+
+/// Does a task.
+///
+/// # Safety
+/// The processor has these features.
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,avx512f,avx512vl,avx512dq,avx512bw")]
+pub(super) unsafe fn avx512<T: Task>(task: T) -> T::Output {
+    task.run(Avx512(()))
 }
 
 impl Lanes for Sse2 {

@@ -67,7 +67,7 @@ impl Seen {
             F4::splat(packet.origin[2]).sub(corner[2]),
         ];
         let v = cross(s, e1);
-        let extent = F4::from_array(block.extent);
+        let extent = Triangles::sizes(e1, e2);
         let extent2 = extent.mul(extent);
         Self {
             normal: arrays(cross(e2, e1)),

@@ -38,19 +38,30 @@ impl<const ANY: bool> Exact<'_, '_, '_, ANY> {
                 self.world
                     .search::<ANY>(inner, self.base + instance.first_number, &ray, self.query)
             }
-            Primitive::Triangle(i) => self.triangle(&TriangleRay::new(self.ray), i),
+            Primitive::Triangle(i) => self.triangle_of(&TriangleRay::new(self.ray), i),
             Primitive::Sphere(i) => self.sphere(i),
         }
     }
 
-    /// A triangle; `ray` is this ray, prepared.
+    /// A triangle whose corners are looked up.
     #[inline(always)]
-    pub(super) fn triangle(&mut self, ray: &TriangleRay, index: u32) -> bool {
+    pub(super) fn triangle_of(&mut self, ray: &TriangleRay, index: u32) -> bool {
+        let corners = self.level.triangles.get(index as usize).copied();
+        corners.is_some_and(|corners| self.triangle(ray, index, corners))
+    }
+
+    /// A triangle with these corners; `ray` is this ray, prepared.
+    #[inline(always)]
+    pub(super) fn triangle(&mut self, ray: &TriangleRay, index: u32, corners: [u32; 3]) -> bool {
         let (number, level) = (self.base + u64::from(index), self.level);
-        if self.query.probe.starts_on(number) || index as usize >= level.triangles.len() {
+        if self.query.probe.starts_on(number) {
             return false;
         }
-        ray.intersect(level.corners_of(index)).is_some_and(|hit| {
+        let corners = corners.map(|i| level.vertices.get(i as usize));
+        let [Some(a), Some(b), Some(c)] = corners else {
+            return false;
+        };
+        ray.intersect([a, b, c]).is_some_and(|hit| {
             self.query
                 .offer_triangle::<ANY>(number, hit, || level.may_be_transparent(index))
         })

@@ -206,11 +206,9 @@ impl Level<'_> {
 
     /// Asks for the memory of a triangle's corners before they are needed.
     #[inline(always)]
-    pub(super) fn ask_for_corners(&self, triangle: u32) {
-        if let Some(corners) = self.triangles.get(triangle as usize) {
-            for corner in corners {
-                prefetch(self.vertices.as_ptr().wrapping_add(*corner as usize));
-            }
+    pub(super) fn ask_for_corners(&self, corners: [u32; 3]) {
+        for corner in corners {
+            prefetch(self.vertices.as_ptr().wrapping_add(corner as usize));
         }
     }
 

@@ -180,7 +180,7 @@ impl<const ANY: bool> Decide for Decider<'_, '_, '_, ANY> {
     fn triangles(&mut self, ray: usize, ids: &[u32]) -> f32 {
         self.ask(ray, |exact| {
             let own = TriangleRay::new(exact.ray);
-            ids.iter().any(|&id| exact.triangle(&own, id))
+            ids.iter().any(|&id| exact.triangle_of(&own, id))
         })
     }
 

@@ -10,8 +10,8 @@ use super::{
 };
 use crate::{
     accel::{
-        BLOCK, Child, Control, Lanes, LeafKind, NONE, Range, Ray32, RayBlock, RayBox, RayCuboid, RaySphere,
-        Visitor,
+        self, BLOCK, Child, Control, Lanes, LeafKind, NONE, Range, Ray32, RayBlock, RayBox, RayCuboid,
+        RaySphere, Task, Triangles, Visitor,
     },
     math::Ray,
     shape::triangle::TriangleRay,
@@ -114,14 +114,28 @@ impl World<'_> {
         if level.unbounded.iter().any(|&index| exact.any(index)) {
             return true;
         }
-        let ray32 = Ray32::new(ray);
+        accel::run(LevelTask(&mut exact))
+    }
+}
+
+/// The search of a level's tree; true where it was stopped. Preparing the ray is part of it, so that what is prepared
+/// stays in registers.
+struct LevelTask<'t, 'a, 's, 'p, const ANY: bool>(&'t mut Exact<'a, 's, 'p, ANY>);
+
+impl<const ANY: bool> Task for LevelTask<'_, '_, '_, '_, ANY> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) -> bool {
+        let Self(exact) = self;
+        let level = exact.level;
+        let ray32 = Ray32::new(exact.ray);
+        let ray_box = RayBox::new(&ray32, level.bvh.extent());
         let mut search = LevelSearch::new(exact, &ray32);
-        level.bvh.traverse::<ANY>(
-            &RayBox::new(&ray32, level.bvh.extent()),
-            search.range.possible,
-            search.range.bound,
-            &mut search,
-        );
+        let Range { possible, bound, .. } = search.range;
+        level
+            .bvh
+            .traverse_with::<_, ANY>(lanes, &ray_box, possible, bound, &mut search);
         if !ANY {
             search.decide();
         }
@@ -167,31 +181,56 @@ pub(super) fn lanes_of(mut mask: u32) -> impl Iterator<Item = usize> {
 /// Most triangles and boxes that wait for their exact test.
 const WAITING: usize = 4;
 
+/// What may be the nearest hit, and how far away it is at least.
+#[derive(Clone, Copy)]
+struct Waiting {
+    index: u32,
+    least: f32,
+    /// A triangle's corners.
+    corners: [u32; 3],
+}
+
+impl Waiting {
+    const NOTHING: Self = Self {
+        index: NONE,
+        least: 0.0,
+        corners: [0; 3],
+    };
+    /// As a constant it is read from memory that nobody has written to just before.
+    const NONE: [Self; WAITING] = [Self::NOTHING; WAITING];
+}
+
 /// A search of one level.
-struct LevelSearch<'a, 's, 'p, const ANY: bool> {
-    exact: Exact<'a, 's, 'p, ANY>,
+struct LevelSearch<'t, 'a, 's, 'p, const ANY: bool> {
+    /// Where it is: what was written number by number would have to be read so to be moved.
+    exact: &'t mut Exact<'a, 's, 'p, ANY>,
     ray_block: RayBlock,
     ray_sphere: Option<RaySphere>,
-    /// For what is only prepared once a box is met.
-    ray32: &'a Ray32,
+    /// Prepared once a box is met.
+    ray_cuboid: Option<RayCuboid>,
     range: Range,
     /// Index of the primitive that the ray starts on, where it is one of this level.
     start: u32,
     /// Triangles and boxes that may be the nearest hit, and how far away they are at least. In f32 it is nearly always known
     /// which of two hits is nearer, so that most are never looked at in f64.
-    waiting: [(u32, f32); WAITING],
+    waiting: [Waiting; WAITING],
     waiting_count: usize,
     stopped: bool,
 }
 
-impl<const ANY: bool> Visitor for LevelSearch<'_, '_, '_, ANY> {
+impl<const ANY: bool> Visitor for LevelSearch<'_, '_, '_, '_, ANY> {
     #[inline(always)]
     fn leaf<L: Lanes>(&mut self, lanes: L, leaf: Child, bound: &mut f32) -> Control {
-        self.stopped = match leaf.kind() {
-            LeafKind::Triangles => self.triangles(lanes, leaf, bound),
-            LeafKind::Spheres => self.spheres(lanes, leaf, bound),
-            LeafKind::Cuboids => self.cuboids(leaf, bound),
-            LeafKind::Others => self.others(leaf, bound),
+        // Asked first: a branch that can be foreseen, where four ways would be a jump through a table.
+        self.stopped = if leaf.kind() == LeafKind::Triangles {
+            self.triangles(lanes, leaf, bound)
+        } else {
+            match leaf.kind() {
+                LeafKind::Triangles => false,
+                LeafKind::Spheres => self.spheres(lanes, leaf, bound),
+                LeafKind::Cuboids => self.cuboids(leaf, bound),
+                LeafKind::Others => self.others(leaf, bound),
+            }
         };
         if ANY && self.stopped {
             Control::Stop
@@ -206,9 +245,9 @@ impl<const ANY: bool> Visitor for LevelSearch<'_, '_, '_, ANY> {
     }
 }
 
-impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
+impl<'t, 'a, 's, 'p, const ANY: bool> LevelSearch<'t, 'a, 's, 'p, ANY> {
     #[inline(always)]
-    fn new(exact: Exact<'a, 's, 'p, ANY>, ray32: &'a Ray32) -> Self {
+    fn new(exact: &'t mut Exact<'a, 's, 'p, ANY>, ray32: &Ray32) -> Self {
         let (probe, t_max) = (exact.query.probe, exact.query.best.t);
         let level = exact.level;
         let ray_block = if level.has_blocks() {
@@ -219,12 +258,12 @@ impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
         let range = range(probe.t_min, t_max);
         Self {
             ray_sphere: (!level.sphere_blocks.is_empty()).then(|| RaySphere::new(&ray_block)),
-            ray32,
+            ray_cuboid: None,
             ray_block,
             range,
             start: u32::try_from(probe.start.wrapping_sub(exact.base)).unwrap_or(NONE),
             exact,
-            waiting: [(NONE, 0.0); WAITING],
+            waiting: Waiting::NONE,
             waiting_count: 0,
             stopped: false,
         }
@@ -250,7 +289,7 @@ impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
             return false;
         }
         if ANY {
-            return self.any_of(&block.ids, found.possible, found.certain);
+            return self.any_of(block, found.possible, found.certain);
         }
         let [t_least, t_most] = found.t;
         for lane in lanes_of(found.possible) {
@@ -263,26 +302,35 @@ impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
                 *bound = bound.min(t_most[lane]);
                 least = t_least[lane];
             }
-            self.wait(index, least, bound);
-            self.exact.level.ask_for_corners(index);
+            let corners = block.corners[lane];
+            self.wait(
+                Waiting {
+                    index,
+                    least,
+                    corners,
+                },
+                bound,
+            );
+            self.exact.level.ask_for_corners(corners);
         }
         false
     }
 
     /// Notes a primitive that may be the nearest hit, and how far away it is at least.
     #[inline(always)]
-    fn wait(&mut self, index: u32, least: f32, bound: &mut f32) {
+    fn wait(&mut self, waiting: Waiting, bound: &mut f32) {
         if self.waiting_count == WAITING {
-            self.decide();
+            self.decide_now();
             self.lower(bound);
         }
-        self.waiting[self.waiting_count % WAITING] = (index, least);
+        self.waiting[self.waiting_count % WAITING] = waiting;
         self.waiting_count += 1;
     }
 
     /// Whether any of a block's triangles ends the search.
     #[inline]
-    fn any_of(&mut self, ids: &[u32; BLOCK], possible: u32, certain: u32) -> bool {
+    fn any_of(&mut self, block: &Triangles, possible: u32, certain: u32) -> bool {
+        let ids = &block.ids;
         let ends =
             |lane: &usize| ids[*lane] != self.start && !self.exact.level.may_be_transparent(ids[*lane]);
         if let Some(lane) = lanes_of(certain).find(ends) {
@@ -290,7 +338,7 @@ impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
             return true;
         }
         let ray = TriangleRay::new(self.exact.ray);
-        lanes_of(possible).any(|lane| self.exact.triangle(&ray, ids[lane]))
+        lanes_of(possible).any(|lane| self.exact.triangle(&ray, ids[lane], block.corners[lane]))
     }
 
     /// Decides which of the waiting triangles and boxes is hit first, the last found first: it is the nearest, but for
@@ -307,11 +355,22 @@ impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
         let ray = TriangleRay::new(self.exact.ray);
         while self.waiting_count > 0 {
             self.waiting_count -= 1;
-            let (index, least) = self.waiting[self.waiting_count % WAITING];
+            let Waiting {
+                index,
+                least,
+                corners,
+            } = self.waiting[self.waiting_count % WAITING];
             if f64::from(least) <= self.exact.query.best.t {
-                self.exact.triangle(&ray, index);
+                self.exact.triangle(&ray, index, corners);
             }
         }
+    }
+
+    /// As [`Self::decide`] before the end, which is rare.
+    #[cold]
+    #[inline(never)]
+    fn decide_now(&mut self) {
+        self.decide();
     }
 
     /// As [`Self::decide`] where boxes may be among those that wait.
@@ -319,7 +378,7 @@ impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
     fn decide_any(&mut self) {
         while self.waiting_count > 0 {
             self.waiting_count -= 1;
-            let (index, least) = self.waiting[self.waiting_count % WAITING];
+            let Waiting { index, least, .. } = self.waiting[self.waiting_count % WAITING];
             if f64::from(least) <= self.exact.query.best.t {
                 self.exact.any(index);
             }
@@ -359,7 +418,9 @@ impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
         let Some(block) = level.cuboid_blocks.get(leaf.first()) else {
             return false;
         };
-        let ray = RayCuboid::new(self.ray32, level.cuboid_extent);
+        let ray = *self
+            .ray_cuboid
+            .get_or_insert_with(|| RayCuboid::new(&Ray32::new(self.exact.ray), level.cuboid_extent));
         let mut range = self.range;
         if !ANY {
             (range.bound, range.certain[1]) = (*bound, *bound);
@@ -384,15 +445,21 @@ impl<'a, 's, 'p, const ANY: bool> LevelSearch<'a, 's, 'p, ANY> {
         }
         for lane in lanes_of(found.possible) {
             if least[lane] <= *bound {
-                self.wait(block.ids[lane], least[lane], bound);
+                let waiting = Waiting {
+                    index: block.ids[lane],
+                    least: least[lane],
+                    ..Waiting::NOTHING
+                };
+                self.wait(waiting, bound);
             }
         }
         false
     }
 
+    #[inline(never)]
     fn others(&mut self, leaf: Child, bound: &mut f32) -> bool {
         // What they ask of the query is its best hit.
-        self.decide();
+        self.decide_now();
         let others = self.exact.level.bvh.others(leaf);
         let stopped = others.iter().any(|&index| self.exact.any(index));
         self.lower(bound);

@@ -27,6 +27,7 @@ pub(super) fn build(
     let (triangles, spheres, cuboids) = (leaves.triangles, leaves.spheres, leaves.cuboids);
     level.triangle_blocks = blocks(triangles, Triangles::EMPTY, interrupt, |block, lane, index| {
         block.set(lane, index, level.corners(index));
+        block.corners[lane] = level.triangles[index as usize];
     });
     level.sphere_blocks = blocks(spheres, Spheres::EMPTY, interrupt, |block, lane, index| {
         let index = index - kinds.triangles as u32;
