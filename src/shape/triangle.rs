@@ -130,7 +130,10 @@ impl TriangleRay {
         }
         // Weights first, t from them: their product with z would leave the range of f64 long before they do.
         let per_det = 1.0 / det;
-        let (wa, u, v) = (wa * per_det, wb * per_det, wc * per_det);
+        let (mut wa, mut u, mut v) = (wa * per_det, wb * per_det, wc * per_det);
+        if det.abs() <= SLIVER * ((cx * by).abs() + (ax * cy).abs() + (bx * ay).abs()) {
+            [wa, u, v] = along_the_longest_edge([(ax, ay), (bx, by), (cx, cy)]);
+        }
         let t = (wa * az + u * bz + v * cz) * self.t_per_z;
         t.is_finite().then_some(TriangleHit { t, u, v })
     }
@@ -161,9 +164,38 @@ impl TriangleRay {
             return None;
         }
         let per_det = 1.0 / det;
-        let (wa, u, v) = (wa * per_det, wb * per_det, wc * per_det);
+        let (mut wa, mut u, mut v) = (wa * per_det, wb * per_det, wc * per_det);
+        let products = (c.0 * b.1).abs() + (a.0 * c.1).abs() + (b.0 * a.1).abs();
+        if det.abs() <= SLIVER * products {
+            [wa, u, v] = along_the_longest_edge([a, b, c]);
+        }
         let t = (wa * az + u * bz + v * cz) * self.t_per_z;
         t.is_finite().then_some(TriangleHit { t, u, v })
+    }
+}
+
+/// Where the area that the ray sees of a triangle is this small a share of the products that it is the difference of,
+/// the edge functions still have their signs, but how they compare is rounding.
+const SLIVER: f64 = 1e-10;
+
+/// The weights of the corners of a triangle that the ray sees as a line: those of the point of its longest edge that is next
+/// to the ray. Any other split would be a hit away from the ray, where a tree that looks at the triangle's box finds none.
+#[cold]
+#[inline(never)]
+fn along_the_longest_edge([a, b, c]: [(f64, f64); 3]) -> [f64; 3] {
+    let along = |p: (f64, f64), q: (f64, f64)| {
+        let (x, y) = (q.0 - p.0, q.1 - p.1);
+        let length_squared = x * x + y * y;
+        let share = (-(p.0 * x + p.1 * y) / length_squared).clamp(0.0, 1.0);
+        (length_squared, share)
+    };
+    let [(ab, on_ab), (bc, on_bc), (ca, on_ca)] = [along(a, b), along(b, c), along(c, a)];
+    if ab >= bc && ab >= ca {
+        [1.0 - on_ab, on_ab, 0.0]
+    } else if bc >= ca {
+        [0.0, 1.0 - on_bc, on_bc]
+    } else {
+        [on_ca, 0.0, 1.0 - on_ca]
     }
 }
 
@@ -184,6 +216,46 @@ fn ordered([kx, ky, kz]: [usize; 3], v: &DVec3) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::{super::suite::Rng, *};
+
+    #[test]
+    fn what_is_seen_as_a_line_is_met_where_it_is() {
+        // Its corners lie on a line that the ray's line meets behind the ray's origin, where x is 0.
+        let corners = [
+            &DVec3::new(0.0, 3.0, 0.5),
+            &DVec3::new(0.0, 3.5, 0.0),
+            &DVec3::new(0.0, 0.5, 3.0),
+        ];
+        let ray = Ray {
+            origin: DVec3::new(0.06000000000000005, 2.1, 1.5),
+            dir: DVec3::new(0.5144957554255265, 0.8574929257125441, 0.0),
+        };
+        let found = TriangleRay::new(&ray).intersect(corners);
+        let away = |hit: TriangleHit| (ray.origin + ray.dir * hit.t - DVec3::new(0.0, 2.0, 1.5)).length();
+        assert!(found.is_none_or(|hit| away(hit) < 1e-12), "{found:?}");
+    }
+
+    #[test]
+    fn slivers_are_met_at_the_ray_or_not_at_all() {
+        let mut rng = Rng::new(11);
+        let mut met = 0;
+        for _ in 0..20_000 {
+            let [a, b] = [rng.in_cube(), rng.in_cube()];
+            let along = |s: f64| a + (b - a) * s;
+            let near = rng.in_cube() * [0.0, 1e-17, 1e-13][(rng.unit() * 3.0) as usize];
+            let corners = [a, along(rng.unit()) + near, b];
+            let aim = along(rng.unit());
+            let origin = rng.in_cube() * 4.0;
+            let dir = (aim - origin).normalize();
+            let ray = TriangleRay::new(&Ray { origin, dir });
+            let [a, b, c] = &corners;
+            if let Some(hit) = ray.intersect([a, b, c]) {
+                met += 1;
+                let away = (origin + dir * hit.t - aim).length();
+                assert!(away < 1e-4, "{corners:?} {origin} {dir} {hit:?} {away}");
+            }
+        }
+        assert!(met > 100, "{met}");
+    }
 
     /// A closed convex mesh around the origin.
     struct Solid {
