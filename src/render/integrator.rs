@@ -95,66 +95,23 @@ pub(super) const LEAST_WEIGHT: f64 = 1.0 / (1 << 20) as f64;
 /// Points of one sample between two looks at the interrupt.
 const POINTS_PER_POLL: u64 = 64;
 
-/// By so much the two sums of a path may differ as long as it goes on. Light that comes after it, a hundredth of white or
-/// more, makes one number of them.
-const DOUBT: f64 = 1e-19;
-
-/// Backgrounds this bright are taken to lie at the end of most paths.
-const BRIGHT: f64 = 0.02;
-
 /// Light along a camera ray, of which it is known what it meets first.
-#[inline(always)]
 pub(super) fn radiance<O: Observer>(
     world: &World<'_>,
     (probe, first): (Probe, Option<Hit>),
     sampler: Sampler,
     interrupt: &Interrupt<'_>,
-    stack: &mut Stack,
-    counts: &mut Counts,
-    observer: &mut O,
-) -> Color {
-    counts.camera += 1;
-    let is_bright = world.scene.settings.background.min_element() >= BRIGHT;
-    let path = (probe, first, sampler);
-    let [mut sum, other] = gather(
-        world,
-        &path,
-        if is_bright { DOUBT } else { 0.0 },
-        interrupt,
-        stack,
-        counts,
-        observer,
-    );
-    if sum != other && is_bright && !O::WATCHES {
-        // What came after it was too dark.
-        [sum, _] = gather(world, &path, 0.0, interrupt, stack, counts, observer);
-    }
-    if sum.is_finite() {
-        sum
-    } else {
-        counts.invalid += 1;
-        Color::ZERO
-    }
-}
-
-/// Two colors between which the light along a camera ray lies, channel by channel. They differ by what highlights would add
-/// that nobody looked for, by `doubt` at most but for rounding; where that is 0, they are the same.
-fn gather<O: Observer>(
-    world: &World<'_>,
-    &(probe, first, sampler): &(Probe, Option<Hit>, Sampler),
-    doubt: f64,
-    interrupt: &Interrupt<'_>,
     Stack(waiting): &mut Stack,
     counts: &mut Counts,
     observer: &mut O,
-) -> [Color; 2] {
+) -> Color {
     let settings = &world.scene.settings;
     let mut path = Path {
         sampler,
         vertex: 0,
         interrupt,
     };
-    let (mut sum, mut other_sum) = (Color::ZERO, Color::ZERO);
+    let mut sum = Color::ZERO;
     waiting.clear();
     // Changed in place, because it is too large to be moved for each ray.
     let mut current = Pending {
@@ -165,9 +122,10 @@ fn gather<O: Observer>(
         before: 0.0,
     };
     let mut hit = first;
+    counts.camera += 1;
     loop {
         if interrupt.is_stopped() {
-            return [Color::ZERO; 2];
+            return Color::ZERO;
         }
         let ray = &current.probe.ray;
         let Pending {
@@ -206,7 +164,6 @@ fn gather<O: Observer>(
                 }
                 observer.background(seen, added);
                 sum += added;
-                other_sum += added;
                 break 'point false;
             };
             let footprint;
@@ -248,16 +205,13 @@ fn gather<O: Observer>(
                 ambient *= lighting::openness(world, at, hit.number, &path, counts);
             }
             let mut faint = None;
-            if !O::WATCHES && world.may_be_faint(&gloss) && weight.min_element() >= 0.0 {
+            if !O::WATCHES && world.may_be_faint(&gloss) {
                 let place = (at, hit.number, ray.origin);
-                let whole = |sum: Color, direct| sum + weight * (ambient + emission + direct);
-                faint = lighting::highlights(world, place, &gloss, counts, |[least, most]| {
-                    let apart = whole(other_sum, most) - whole(sum, least);
-                    apart.cmple(Color::splat(doubt)).all()
-                });
+                let whole = |direct| sum + weight * (ambient + emission + direct);
+                faint = lighting::highlights(world, place, &gloss, counts, whole);
             }
             let direct = match faint {
-                Some([least, _]) => least,
+                Some(direct) => direct,
                 None => lighting::direct(world, at, hit.number, ray.origin, &gloss, &path, counts, observer),
             };
             let mut added = weight * (ambient + emission + direct);
@@ -272,13 +226,9 @@ fn gather<O: Observer>(
             }
             observer.shaded(ambient, emission, direct, added);
             sum += added;
-            other_sum += match faint {
-                Some([_, most]) => weight * (ambient + emission + most),
-                None => added,
-            };
             path.vertex += 1;
             if path.vertex.is_multiple_of(POINTS_PER_POLL) && interrupt.poll() {
-                return [Color::ZERO; 2];
+                return Color::ZERO;
             }
             if depth == settings.max_depth {
                 match &polished {
@@ -323,7 +273,12 @@ fn gather<O: Observer>(
         }
         hit = world.nearest(&current.probe, f64::INFINITY);
     }
-    [sum, other_sum]
+    if sum.is_finite() {
+        sum
+    } else {
+        counts.invalid += 1;
+        Color::ZERO
+    }
 }
 
 /// Where something transparent touches something opaque, as a block of glass touches the table it stands on, what a

@@ -8,6 +8,7 @@
 use super::{
     integrator::{self, Counts, Stack},
     interrupt::Interrupt,
+    sampler::Sampler,
     shots::{Mean, Shot, Shots},
     world::{Moments, PACKET, Probe, World},
 };
@@ -40,45 +41,36 @@ impl Square<'_> {
         for first in (0..samples).step_by(at_once as usize) {
             let indices = first..samples.min(first + at_once);
             let count = (indices.end - indices.start) as usize;
-            let (probe, sampler) = self.shots.plain(self.at, first);
+            let (probe, sampler) = self.plain(0, first, count);
             let (mut probes, mut samplers) = ([probe; PACKET], [sampler; PACKET]);
             let len = PACKET.min(pixels as usize * count);
-            let mut places = probes[..len].iter_mut().zip(&mut samplers);
-            'rays: for y in 0..self.size.1 {
-                for x in 0..self.size.0 {
-                    for index in indices.clone() {
-                        let Some((probe, sampler)) = places.next() else {
-                            break 'rays;
-                        };
-                        (*probe, *sampler) = self.shots.plain((self.at.0 + x, self.at.1 + y), index);
-                    }
-                }
+            for i in 1..len {
+                (probes[i], samplers[i]) = self.plain(i, first, count);
             }
             let mut hits = [None; PACKET];
             let hits = &mut hits[..len];
             self.world.nearest_many(&probes[..len], f64::INFINITY, hits);
-            let mut rays = probes[..len].iter().zip(&samplers).zip(hits);
-            for sum in &mut sums[..pixels as usize] {
-                for (((probe, sampler), hit), index) in rays.by_ref().take(count).zip(first..) {
-                    if index % SAMPLES_PER_POLL == SAMPLES_PER_POLL - 1 && self.interrupt.poll() {
-                        return;
-                    }
-                    let seen = (*probe, *hit);
-                    *sum += integrator::radiance(
-                        self.world,
-                        seen,
-                        *sampler,
-                        self.interrupt,
-                        stack,
-                        counts,
-                        &mut (),
-                    );
+            for (((probe, sampler), hit), i) in probes.iter().zip(&samplers).zip(hits).zip(0..) {
+                let index = first + (i % count) as u32;
+                if index % SAMPLES_PER_POLL == SAMPLES_PER_POLL - 1 && self.interrupt.poll() {
+                    return;
                 }
+                let seen = (*probe, *hit);
+                let light =
+                    integrator::radiance(self.world, seen, *sampler, self.interrupt, stack, counts, &mut ());
+                sums[i / count] += light;
             }
         }
         for (sum, i) in sums.into_iter().zip(0..pixels) {
             visit(i, sum / f64::from(samples));
         }
+    }
+
+    /// Ray `i` where each pixel has `count` in turn, from sample `first` on.
+    #[inline(always)]
+    fn plain(&self, i: usize, first: u32, count: usize) -> (Probe, Sampler) {
+        self.shots
+            .plain(self.place((i / count) as u32), first + (i % count) as u32)
     }
 
     /// The place of a pixel of the square.

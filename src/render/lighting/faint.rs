@@ -72,9 +72,9 @@ impl Way {
     }
 }
 
-/// Two colors between which lies, channel by channel, what [`direct`](super::direct) gives, so near to each other that
-/// `is_near_enough`, in the order in which sums of the lights' parts from the least to the most make them. `None` where
-/// there are too many lights, or some that are more than points and directions.
+/// What [`direct`](super::direct) gives or what `whole` cannot tell from that: `whole` makes sums and products of it by
+/// numbers that are the same for all. `None` where there are too many lights, or some that are more than points and
+/// directions.
 ///
 /// Rounding keeps order: with one light's part anywhere between nothing and all of it, any sum that it is added to lies
 /// between the two sums that these make. Where those two are one number, so is what lies between. Whether anything
@@ -85,8 +85,8 @@ pub(in crate::render) fn highlights(
     (at, number, eye): (&SurfacePoint<'_>, u64, DVec3),
     gloss: &Gloss<'_>,
     counts: &mut Counts,
-    is_near_enough: impl Fn([Color; 2]) -> bool,
-) -> Option<[Color; 2]> {
+    whole: impl Fn(Color) -> Color,
+) -> Option<Color> {
     let lights = &world.scene.root().lights;
     if lights.len() > MOST || world.is_linked {
         return None;
@@ -106,15 +106,15 @@ pub(in crate::render) fn highlights(
     }
     loop {
         let sum = |end: usize| ways.iter().fold(Color::ZERO, |sum, way| sum + way.range[end]);
-        let sums = [sum(0), sum(1)];
-        if is_near_enough(sums) {
-            return Some(sums);
+        let (least, most) = (sum(0), sum(1));
+        if whole(least) == whole(most) {
+            return Some(least);
         }
         let doubt = |way: &Way| way.doubt();
         let (light, way) = (ways.iter_mut().enumerate()).max_by(|a, b| doubt(a.1).total_cmp(&doubt(b.1)))?;
         if !(way.doubt() > 0.0) {
             // It is what it is, a number or not.
-            return Some(sums);
+            return Some(least);
         }
         let (to_light, light) = ((way.towards, way.distance), counts.luck_and_shadows(light));
         way.range = [lit.arrived_after(light, to_light, (way.arriving, way.response), &mut ()); 2];
