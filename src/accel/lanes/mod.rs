@@ -142,7 +142,7 @@ fn portable<T: Task>(task: T) -> T::Output {
 
 /// Eight lanes of f32, and what four lanes can do besides their own.
 ///
-/// A value of an implementing type is the proof that the processor has its instructions: only [`Simd::run`] makes one.
+/// A value of an implementing type is the proof that the processor has its instructions: only `Simd::run` makes one.
 pub trait Lanes: Copy {
     /// Eight lanes.
     type F8: Copy;
