@@ -32,7 +32,10 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     ("accel", &["math"]),
     ("host", &["diag", "render"]),
     // What becomes triangles is a mesh of the scene.
-    ("tessellate", &["math", "diag", "limits", "scene", "shape"]),
+    (
+        "tessellate",
+        &["math", "color", "diag", "limits", "scene", "shape"],
+    ),
     (
         "render",
         &[

@@ -100,6 +100,14 @@ pub fn set_uvs(mesh: &mut Mesh, uvs: Vec<DVec2>, indices: &[i64]) -> Result<(), 
 /// # Errors
 /// Where there are not as many colors as positions, or indices as corners, an index is not that of a color, or a color is
 /// negative, not finite or beyond 1e15.
+///
+/// ```
+/// use rtscript::{DVec3, import::{mesh_from_arrays, set_colors}};
+/// let mut mesh = mesh_from_arrays(vec![DVec3::ZERO, DVec3::X, DVec3::Y], None, None, None)?;
+/// set_colors(&mut mesh, vec![DVec3::X, DVec3::Y, DVec3::Z], None)?;
+/// assert!(mesh.colors.is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn set_colors(mesh: &mut Mesh, colors: Vec<Color>, indices: Option<&[i64]>) -> Result<(), SceneError> {
     let is_wrong = |c: &Color| !(c.is_finite() && c.min_element() >= 0.0 && max_abs(*c) <= 1e15);
     if let Some((i, color)) = colors.iter().enumerate().find(|(_, c)| is_wrong(c)) {

@@ -61,6 +61,7 @@ pub enum Texture {
 ///     normal: DVec3::Y,
 ///     width: [0.0; 2],
 ///     footprint: nothing,
+///     color: None,
 /// };
 /// assert_eq!(floor.lookup(&point), floor.color(point.uv, point.position));
 /// ```

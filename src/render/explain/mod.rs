@@ -26,7 +26,7 @@ use record::Recorder;
 ///
 /// ```
 /// use rtscript::{Builder, DVec3, NoHost, render::World};
-/// use rtscript::render::explain::{BranchOutcome, ExplainedAir, ExplainedBranch, ExplainedHit, ExplainedRay, ExplainedSample, Explanation, LightSample, LightTerm, Obstacle};
+/// use rtscript::render::explain::{BranchOutcome, ExplainedAir, ExplainedBranch, ExplainedHit, ExplainedRay, ExplainedSample, ExplainedTexture, Explanation, LightSample, LightTerm, Obstacle};
 /// let mut b = Builder::new();
 /// b.size(9, 9)?;
 /// b.point(DVec3::Z * 5.0, DVec3::ONE)?;
@@ -38,11 +38,12 @@ use record::Recorder;
 /// let ray: &ExplainedRay = &sample.rays[0];
 /// let hit: &ExplainedHit = ray.hit.as_ref().expect("the ball");
 /// let lights: &[LightTerm] = &hit.lights;
+/// let textures: &[ExplainedTexture] = &hit.textures;
 /// let mirrored: &[ExplainedBranch] = &hit.branches;
 /// let air: Option<&ExplainedAir> = ray.air.as_ref();
 /// let falls_in: Vec<&LightSample> = lights.iter().flat_map(|light| &light.samples).collect();
 /// let in_the_way: Vec<&Obstacle> = falls_in.iter().flat_map(|light| &light.obstacles).collect();
-/// assert!(air.is_none() && in_the_way.is_empty());
+/// assert!(air.is_none() && in_the_way.is_empty() && textures.is_empty());
 /// let ended = mirrored.iter().filter(|branch| matches!(branch.outcome, BranchOutcome::TooDeep));
 /// println!("{} rays had no depth left", ended.count());
 /// println!("{} lights and {} rays that go on", lights.len(), mirrored.len());
