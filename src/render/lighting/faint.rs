@@ -82,7 +82,7 @@ impl Way {
 #[inline(never)]
 pub(in crate::render) fn highlights(
     world: &World<'_>,
-    (at, number, eye): (&SurfacePoint<'_>, u64, DVec3),
+    place: (&SurfacePoint<'_>, u64, DVec3),
     gloss: &Gloss<'_>,
     counts: &mut Counts,
     whole: impl Fn(Color) -> Color,
@@ -91,14 +91,7 @@ pub(in crate::render) fn highlights(
     if lights.len() > MOST || world.is_linked {
         return None;
     }
-    let to_eye = eye - at.position;
-    let lit = Lit {
-        world,
-        at,
-        number,
-        to_eye: to_eye / to_eye.length(),
-        gloss,
-    };
+    let lit = Lit::new(world, place, gloss);
     let mut ways = [Way::DARK; MOST];
     let ways = ways.get_mut(..lights.len())?;
     for (way, light) in ways.iter_mut().zip(lights) {

@@ -74,14 +74,7 @@ pub(super) fn direct<O: Observer>(
     if gloss.diffuse == Color::ZERO && gloss.specular == Color::ZERO && gloss.custom.is_none() {
         return sum;
     }
-    let to_eye = eye - at.position;
-    let lit = Lit {
-        world,
-        at,
-        number,
-        to_eye: to_eye / to_eye.length(),
-        gloss,
-    };
+    let lit = Lit::new(world, (at, number, eye), gloss);
     let is_hazy = world.around.as_ref().is_some_and(|around| around.haze.is_some());
     let path_to = if world.is_linked { lit.groups() } else { Vec::new() };
     for (index, light) in world.scene.root().lights.iter().enumerate() {
@@ -191,6 +184,25 @@ impl Counts {
     #[inline(always)]
     fn luck_and_shadows(&mut self, light: usize) -> (&mut u64, &mut u64) {
         (self.luck.before(light), &mut self.shadow)
+    }
+}
+
+impl<'w> Lit<'w> {
+    /// A point with the number of what it lies on, seen from `eye`.
+    #[inline(always)]
+    fn new(
+        world: &'w World<'w>,
+        (at, number, eye): (&'w SurfacePoint<'w>, u64, DVec3),
+        gloss: &'w Gloss<'w>,
+    ) -> Self {
+        let to_eye = eye - at.position;
+        Self {
+            world,
+            at,
+            number,
+            to_eye: to_eye / to_eye.length(),
+            gloss,
+        }
     }
 }
 
