@@ -55,10 +55,21 @@ impl Cone {
     pub(super) fn crossings(&self, ray: &Ray, out: &mut impl CrossingSink) {
         // The slab's upper end is the apex, a point of the side.
         let span = Span::slab(ray.origin.y, ray.dir.y, self.height * 0.5, BASE, SIDE)
-            .and_then(|slab| slab.clip(self.inside_side(ray)?));
+            .and_then(|slab| slab.clip(self.inside_side(ray)?))
+            .filter(|span| span.ends().iter().all(|end| self.is_around(ray, end.t)));
         if let Some(span) = span {
             span.push(out);
         }
+    }
+
+    /// Whether the ray is no farther from the axis than the base reaches, but for rounding. Of a cone that is flatter
+    /// than numbers can tell the side's equation says anything.
+    #[inline]
+    fn is_around(&self, ray: &Ray, t: f64) -> bool {
+        let reach = |o: f64, d: f64| ((o + d * t).abs(), 1e-13 * (o.abs() + (d * t).abs()));
+        let ((x, slack_x), (z, slack_z)) = (reach(ray.origin.x, ray.dir.x), reach(ray.origin.z, ray.dir.z));
+        let most = self.radius * (1.0 + 1e-9) + slack_x + slack_z;
+        x * x + z * z <= most * most
     }
 
     /// Where the line is inside the endless cone below the apex, or inside the mirror cone above it: within

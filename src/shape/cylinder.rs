@@ -70,7 +70,11 @@ impl Cylinder {
         // A line that leaves the axis by less than 1e-30 of the radius over the height is parallel to it: the
         // squares below would vanish before they tell more.
         if (d.x.abs() + d.z.abs()) * self.height <= 1e-30 * r * d.y.abs() {
-            return Span::line_if(o.x * o.x + o.z * o.z <= r * r);
+            // Between the caps it is everywhere as far from the axis as halfway, which its start may be far from where
+            // the cylinder is that flat.
+            let halfway = if d.y == 0.0 { 0.0 } else { -o.y / d.y };
+            let (x, z) = (o.x + d.x * halfway, o.z + d.z * halfway);
+            return Span::line_if(x * x + z * z <= r * r);
         }
         let a = d.x * d.x + d.z * d.z;
         let b = -(o.x * d.x + o.z * d.z);

@@ -1,7 +1,7 @@
 //! Rays and parameters beyond reason.
 
 use super::{
-    super::{Capsule, Cone, Cuboid, Cylinder, Disk, Polygon, RoundedBox, Sphere, Torus},
+    super::{Capsule, Cone, Cuboid, Cylinder, Disk, Polygon, RoundedBox, Shape, Sphere, Torus},
     Rng, Subject, all_crossings, samples,
     subject::Alone,
 };
@@ -36,6 +36,66 @@ fn rays_that_are_none_meet_nothing() {
                 found.is_empty(),
                 "{origin} without direction on {shape:?}: {found:?}"
             );
+        }
+    }
+}
+
+/// What a ray hits lies in the box around the shape, but for rounding: a tree of boxes would find other hits or not, by
+/// chance.
+fn assert_hits_lie_in_the_box(shape: &Shape, ray: &Ray) {
+    let Some(bounds) = shape.bounds() else { return };
+    for c in all_crossings(shape, ray) {
+        let p = ray.at(c.t);
+        let slack = (ray.origin.abs() + (ray.dir * c.t).abs() + bounds.min.abs() + bounds.max.abs()) * 1e-9;
+        let outside = (bounds.min - slack - p).max(p - bounds.max - slack).max_element();
+        assert!(outside <= 0.0, "{ray:?} meets {shape:?} at {p}");
+    }
+}
+
+#[test]
+fn shapes_of_absurd_proportions_are_hit_in_their_boxes() {
+    let mut rng = Rng::new(11);
+    let lengths = [1e-300, 1e-150, 1e-20, 1.0, 1e15].into_iter();
+    for (a, b) in lengths.flat_map(|length| [(3.0, length), (length, 3.0)]) {
+        let shapes = [
+            Cone::new(a, b).ok().map(Shape::Cone),
+            Cylinder::new(a, b).ok().map(Shape::Cylinder),
+            Disk::new(a).ok().map(Shape::Disk),
+            Torus::new(a, b).ok().map(Shape::Torus),
+            Capsule::new(a, b).ok().map(Shape::Capsule),
+            Cuboid::new(DVec3::new(a, b, a)).ok().map(Shape::Cuboid),
+            Cuboid::new(DVec3::new(b, b, a)).ok().map(Shape::Cuboid),
+            RoundedBox::new(DVec3::new(a, b, a), 0.1 * a.min(b))
+                .ok()
+                .map(Shape::RoundedBox),
+            Sphere::new(DVec3::ZERO, b).ok().map(Shape::Sphere),
+        ];
+        for shape in shapes.into_iter().flatten() {
+            let size = shape.bounds().map_or(DVec3::ONE, |bounds| bounds.size());
+            for _ in 0..2000 {
+                let origin = rng.in_cube() * rng.magnitude(-3.0, 3.0);
+                let aim = match rng.chance(0.5) {
+                    true => rng.in_cube() * size * 0.6 - origin,
+                    false => rng.direction(),
+                };
+                assert_hits_lie_in_the_box(&shape, &Ray::new(origin, aim * rng.magnitude(-20.0, 20.0)));
+            }
+        }
+    }
+}
+
+/// As rays are where what is placed was made flat or thin by a matrix.
+#[test]
+fn rays_stretched_along_an_axis_hit_in_the_box() {
+    let mut rng = Rng::new(12);
+    for shape in samples(1.0) {
+        for i in 0..3000 {
+            let mut ray = Ray::new(rng.in_cube() * 3.0, rng.direction());
+            let stretch = [1e-150, 1e-20, 1e-9, 1e9, 1e20, 1e150][i % 6];
+            let axis = rng.below(3);
+            ray.origin[axis] *= stretch;
+            ray.dir[axis] *= stretch;
+            assert_hits_lie_in_the_box(&shape, &ray);
         }
     }
 }
