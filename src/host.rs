@@ -69,6 +69,43 @@ impl fmt::Display for HostError {
 impl std::error::Error for HostError {}
 
 /// Everything a script can reach outside itself.
+///
+/// ```
+/// use std::sync::Mutex;
+/// use rtscript::{Builder, Host, Image, NoHost, RenderOptions, diag::{Code, Diagnostic}, host::HostError, render};
+///
+/// /// Keeps what it is told for someone who looks on.
+/// #[derive(Default)]
+/// struct Onlooker {
+///     warnings: Mutex<Vec<Code>>,
+///     coarse: Mutex<Vec<(u32, u32)>>,
+/// }
+///
+/// impl Host for Onlooker {
+///     fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, HostError> {
+///         NoHost.read(path, max_bytes)
+///     }
+///
+///     fn warn(&self, warning: &Diagnostic) {
+///         self.warnings.lock().expect("no one panics").push(warning.code);
+///     }
+///
+///     fn coarse(&self, image: &Image) {
+///         self.coarse.lock().expect("no one panics").push((image.width(), image.height()));
+///     }
+/// }
+///
+/// let mut b = Builder::new();
+/// b.size(128, 128)?;
+/// let host = Onlooker::default();
+/// let mut options = RenderOptions::default();
+/// options.coarse = true;
+/// render(&b.finish().value, &options, &host)?;
+/// // A pixel for every eight along each edge, before the picture itself.
+/// assert_eq!(*host.coarse.lock().expect("no one panics"), [(16, 16)]);
+/// assert!(host.warnings.lock().expect("no one panics").is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Host: Send + Sync {
     /// The bytes of the asset `path`, a relative path with `/` as written in the script, already resolved
     /// against the file that names it. At most `max_bytes`.

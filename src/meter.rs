@@ -46,6 +46,22 @@ impl Meter {
 
 impl<A> Meter<A> {
     /// Another allocator, counted.
+    ///
+    /// ```
+    /// use std::alloc::System;
+    /// use rtscript::meter::Meter;
+    ///
+    /// // In place of `System`, the allocator that the program uses otherwise.
+    /// #[global_allocator]
+    /// static ALLOCATOR: Meter<System> = Meter::around(System);
+    ///
+    /// # fn main() {
+    /// let before = rtscript::meter::held();
+    /// let kilobyte = vec![0u8; 1024];
+    /// assert_eq!(rtscript::meter::held() - before, 1024);
+    /// drop(kilobyte);
+    /// # }
+    /// ```
     #[must_use]
     pub const fn around(inner: A) -> Self {
         Self { inner }

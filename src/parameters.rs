@@ -227,9 +227,10 @@ impl ParameterKind {
 ///
 /// ```
 /// use rtscript::{Limits, NoHost, RunOptions, Script, parameters::ParameterKind};
-/// let script = Script::compile("a.rhai", r#"param("radius", 0.5); sphere(0, 0, 0, 1);"#, &Limits::default())?;
+/// let script = Script::compile("a.rhai", r#"param("radius", 0.5, #{ min: 0.1, max: 2.0 }); sphere(0, 0, 0, 1);"#, &Limits::default())?;
 /// let declared = script.run(&NoHost, &RunOptions::default())?.value.parameters;
 /// assert_eq!((declared[0].name.as_str(), declared[0].kind), ("radius", ParameterKind::Number));
+/// assert_eq!(declared[0].expected(), "a number from 0.1 to 2");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

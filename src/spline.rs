@@ -159,6 +159,17 @@ impl<const N: usize> Piece<N> {
     }
 
     /// The Catmull-Rom piece from `a` to `b` between their neighbours.
+    ///
+    /// ```
+    /// use rtscript::spline::Piece;
+    /// // From (0, 0) to (2, 1), as a curve that comes from (-2, 1) and goes on to (4, 0).
+    /// let piece = Piece::through([-2.0, 1.0], [0.0, 0.0], [2.0, 1.0], [4.0, 0.0]);
+    /// assert_eq!((piece.position(0.0), piece.position(1.0)), ([0.0, 0.0], [2.0, 1.0]));
+    /// // It leaves a point parallel to the line between its neighbours, and x goes evenly here.
+    /// assert_eq!(piece.tangent(0.0), [2.0, 0.0]);
+    /// let thirds = [0.0, 2.0 / 3.0, 4.0 / 3.0, 2.0];
+    /// assert!(piece.coordinate(0).iter().zip(thirds).all(|(x, third)| (x - third).abs() < 1e-12));
+    /// ```
     #[must_use]
     pub fn through(before: [f64; N], a: [f64; N], b: [f64; N], beyond: [f64; N]) -> Self {
         let from = std::array::from_fn(|k| a[k] + (b[k] - before[k]) / 6.0);

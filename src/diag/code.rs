@@ -23,6 +23,14 @@ macro_rules! codes {
             }
 
             /// What it means and what to do about it, in a few sentences.
+            ///
+            /// ```
+            /// use rtscript::diag::Code;
+            /// // What `rtscript explain no-light` prints.
+            /// let code = Code::from_name("no-light").expect("there is such a class");
+            /// assert_eq!(code, Code::NoLight);
+            /// assert!(!code.explanation().is_empty());
+            /// ```
             #[must_use]
             pub const fn explanation(self) -> &'static str {
                 match self { $(Self::$variant => $explanation,)* }

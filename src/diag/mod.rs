@@ -175,6 +175,14 @@ impl Diagnostic {
     }
 
     /// The same as a warning: what would be an error if the run came by.
+    ///
+    /// ```
+    /// use rtscript::diag::{Code, Diagnostic, ErrorKind, Severity};
+    /// // A reader that goes on where it could end.
+    /// let fault = Diagnostic::error(ErrorKind::Input, "the color has four numbers").class(Code::IgnoredInput);
+    /// let warning = fault.as_warning();
+    /// assert_eq!((warning.severity, warning.code), (Severity::Warning, Code::IgnoredInput));
+    /// ```
     #[must_use]
     pub fn as_warning(mut self) -> Self {
         self.severity = Severity::Warning;

@@ -18,6 +18,17 @@ const LONGEST_PATH: usize = 1024;
 
 /// What has been read so far. It belongs to one run and one [`Builder`](crate::Builder): the materials of the
 /// meshes in it are that builder's.
+///
+/// ```
+/// use rtscript::{Limits, MemoryHost, import::{AssetCache, Assets, KeptAssets}};
+/// let host = MemoryHost::new().with("notes.txt", "twelve bytes");
+/// let limits = Limits::default();
+/// // Of this run, knowing what earlier ones decoded.
+/// let mut cache = AssetCache::keeping(Some(KeptAssets::new()));
+/// Assets::new(&host, &limits, &mut cache).read("notes.txt").map_err(rtscript::Error::from)?;
+/// assert_eq!(cache.bytes(), 12);
+/// # Ok::<(), rtscript::Error>(())
+/// ```
 #[derive(Debug, Default)]
 pub struct AssetCache {
     textures: BTreeMap<String, Arc<Texture>>,
@@ -294,6 +305,19 @@ impl<'a> Assets<'a> {
     ///
     /// # Errors
     /// As [`Assets::texture`].
+    ///
+    /// ```
+    /// use rtscript::{Image, Limits, MemoryHost, import::{AssetCache, Assets}, output, scene::Encoding};
+    /// // A picture of two heights, stored as it is.
+    /// let picture = Image::new(2, 1, Encoding::Raw, vec![[0.0; 3], [1.0; 3]]);
+    /// let host = MemoryHost::new().with("hills.png", output::encode(&picture, output::Format::Png)?);
+    /// let (limits, mut cache) = (Limits::default(), AssetCache::default());
+    /// let mut assets = Assets::new(&host, &limits, &mut cache);
+    /// assert_eq!(assets.levels("hills.png").map_err(rtscript::Error::from)?, (2, 1, vec![0.0, 1.0]));
+    /// // A picture is no font.
+    /// assert!(assets.font("hills.png").is_err());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn levels(&mut self, path: &str) -> Result<(usize, usize, Vec<f64>), Diagnostic> {
         let bytes = self.read(path)?;
         texture::levels(path, &bytes, self.limits)

@@ -26,10 +26,12 @@ const MOST: usize = 512 << 20;
 /// let host = MemoryHost::new().with("card.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
 /// let script = Script::compile("a.rhai", r#"mesh("card.obj");"#, &Default::default())?;
 /// let mut options = RunOptions::default();
-/// options.assets = Some(KeptAssets::new());
+/// let kept = KeptAssets::new();
+/// options.assets = Some(kept.clone());
 /// // The second run finds what the first one read.
 /// script.run(&host, &options)?;
 /// script.run(&host, &options)?;
+/// assert_eq!(kept.counts(), (1, 1));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, Default)]

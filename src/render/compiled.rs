@@ -53,6 +53,30 @@ impl Compiled {
     ///
     /// # Errors
     /// As [`World::compile_for`].
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3, Host, diag::ErrorKind, host::HostError, render::Compiled};
+    ///
+    /// struct Closing;
+    ///
+    /// impl Host for Closing {
+    ///     fn read(&self, path: &str, _max_bytes: u64) -> Result<Vec<u8>, HostError> {
+    ///         Err(HostError::new(ErrorKind::Denied, format!("{path}: nothing is read here")))
+    ///     }
+    ///
+    ///     fn should_stop(&self) -> bool {
+    ///         true
+    ///     }
+    /// }
+    ///
+    /// let mut b = Builder::new();
+    /// b.sphere(DVec3::ZERO, 1.0)?;
+    /// let scene = b.finish().value;
+    /// let stopped = Compiled::for_host(scene.clone(), Box::new(Closing)).expect_err("it wants to stop");
+    /// assert_eq!(stopped.kind(), ErrorKind::Cancelled);
+    /// assert!(!Compiled::for_host(scene, Box::new(rtscript::NoHost))?.is_stopped());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn for_host(scene: Scene, host: Box<dyn Host>) -> Result<Self, Error> {
         let interrupt = Interrupt::asking(host);
         let cell = Cell::try_new(Box::new(Owner { scene, interrupt }), |owner| {

@@ -106,6 +106,13 @@ impl Image {
     }
 
     /// The same picture with these layers beside it, each of as many pixels.
+    ///
+    /// ```
+    /// use rtscript::{Image, render::{Layer, LayerKind}, scene::Encoding};
+    /// let depth = Layer { kind: LayerKind::Depth, values: vec![2.0, 5.0] };
+    /// let image = Image::new(2, 1, Encoding::Srgb, vec![[0.0; 3]; 2]).with_layers(vec![depth]);
+    /// assert_eq!(image.layers()[0].values, [2.0, 5.0]);
+    /// ```
     #[must_use]
     pub fn with_layers(mut self, layers: Vec<Layer>) -> Self {
         self.layers = layers;
@@ -132,6 +139,23 @@ impl Image {
     }
 
     /// The picture in 16 bits per channel, `width * height * 3` numbers RGB, rows from the top, by its encoding.
+    ///
+    /// ```
+    /// use rtscript::{Image, render::FileOptions, scene::Encoding};
+    /// // A quarter of white without a curve, which this encoding rounds downwards.
+    /// let image = Image::new(1, 1, Encoding::Raw, vec![[0.25; 3]]);
+    /// assert_eq!((image.rgb16(), image.rgb8()), (vec![16383; 3], vec![63; 3]));
+    /// assert_eq!(image.encoding(), Encoding::Raw);
+    /// assert_eq!(image.pixel(0, 0).map(|c| c.x), Some(0.25));
+    /// // Outside there is nothing.
+    /// assert_eq!(image.pixel(1, 0), None);
+    /// // It is to be written with other options than the usual ones, without a pixel changed.
+    /// let mut options = FileOptions::default();
+    /// options.bits = Some(16);
+    /// let deep = image.clone().with_file_options(options);
+    /// assert_eq!(deep.file_options(), options);
+    /// assert_eq!(deep.hash(), image.hash());
+    /// ```
     #[must_use]
     pub fn rgb16(&self) -> Vec<u16> {
         let channels = self.pixels.as_flattened().iter();

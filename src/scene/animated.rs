@@ -48,6 +48,13 @@ const MOST_PIECES: f64 = 1024.0;
 
 impl AnimatedTransform {
     /// Whether there is any motion.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, scene::AnimatedTransform};
+    /// let still = AnimatedTransform::default();
+    /// let falling = AnimatedTransform { translate: DVec3::NEG_Y, ..still };
+    /// assert!(falling.moves() && !still.moves());
+    /// ```
     #[must_use]
     pub fn moves(&self) -> bool {
         self.translate != DVec3::ZERO || self.degrees != 0.0 || self.scale != DVec3::ONE

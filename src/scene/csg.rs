@@ -35,6 +35,13 @@ impl CsgOp {
     }
 
     /// Whether the object with this index is cut away, so that its surface is seen from within.
+    ///
+    /// ```
+    /// use rtscript::scene::CsgOp;
+    /// // The second part of a difference is a hole in the first.
+    /// assert!(!CsgOp::Difference.cuts(0) && CsgOp::Difference.cuts(1));
+    /// assert!(!CsgOp::Union.cuts(1));
+    /// ```
     #[must_use]
     pub const fn cuts(self, index: u32) -> bool {
         matches!(self, Self::Difference) && index > 0

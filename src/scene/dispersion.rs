@@ -163,6 +163,14 @@ impl Dispersion {
     }
 
     /// Its own index of refraction for yellow light, the d line; `None` where that is the material's to say.
+    ///
+    /// ```
+    /// use rtscript::scene::Dispersion;
+    /// // A formula says how strongly yellow light is bent; an Abbe number leaves that to the material.
+    /// let cauchy = Dispersion::Cauchy { a: 1.5, b: 0.0, c: 0.0 };
+    /// assert_eq!(cauchy.index_d(), Some(1.5));
+    /// assert_eq!(Dispersion::abbe(40.0).index_d(), None);
+    /// ```
     #[must_use]
     pub fn index_d(&self) -> Option<f64> {
         self.index(D_LINE)

@@ -41,6 +41,19 @@ impl Scene {
 
     /// As [`Scene::dump`], but of each list (the objects of a group, its lights, materials, ...) only the first
     /// `limit` entries, then how many more there are and a hash of their text.
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3};
+    /// let mut b = Builder::new();
+    /// for i in 0..1000 {
+    ///     b.sphere(DVec3::X * f64::from(i), 0.4)?;
+    /// }
+    /// let scene = b.finish().value;
+    /// let short = scene.dump_short(3);
+    /// assert!(short.len() < 2000 && scene.dump().len() > 20_000);
+    /// assert!(short.contains("997 more"), "{short}");
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     #[must_use]
     pub fn dump_short(&self, limit: usize) -> String {
         let mut out = String::new();

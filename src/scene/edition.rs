@@ -32,6 +32,14 @@ impl Edition {
     ///
     /// # Errors
     /// Where there is none; the message lists those that are known.
+    ///
+    /// ```
+    /// use rtscript::scene::Edition;
+    /// assert_eq!(Edition::from_year(2026)?.year(), 2026);
+    /// let error = Edition::from_year(1066).expect_err("there was none then");
+    /// assert!(error.to_string().contains("2026"));
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn from_year(year: i64) -> Result<Self, SceneError> {
         let is_it = |edition: &&Self| i64::from(edition.year()) == year;
         Self::ALL.iter().find(is_it).copied().ok_or_else(|| {

@@ -30,6 +30,12 @@ impl SceneError {
     }
 
     /// A limit was reached: its name in [`Limits`](crate::Limits) and its value.
+    ///
+    /// ```
+    /// use rtscript::scene::SceneError;
+    /// let error = SceneError::limit("too many stars", "stars", 1000);
+    /// assert!(error.to_string().contains("'stars' is 1000"), "{error}");
+    /// ```
     #[must_use]
     pub fn limit(what: &str, name: &str, value: impl fmt::Display) -> Self {
         Self {

@@ -12,6 +12,23 @@ use super::{
 impl Scene {
     /// A scene in which `group` is what is seen, in its own space, with all that it places; settings and camera are those
     /// of the whole. Textures, and what files hold of meshes, are shared. `None` where there is no such group.
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3};
+    /// let mut b = Builder::new();
+    /// let mark = b.begin_define("pair")?;
+    /// b.sphere(DVec3::ZERO, 1.0)?;
+    /// b.sphere(DVec3::Y, 0.5)?;
+    /// b.end_define(mark, true);
+    /// let pair = b.group_called("pair")?;
+    /// b.translate(DVec3::X * 10.0)?;
+    /// b.instance("pair")?;
+    /// let scene = b.finish().value;
+    /// // The scene has one thing, the definition in its own space two.
+    /// let alone = scene.extract(pair).expect("the group is there");
+    /// assert_eq!((scene.root().objects.len(), alone.root().objects.len()), (1, 2));
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     #[must_use]
     pub fn extract(&self, group: GroupId) -> Option<Self> {
         let mut extracted = Self {

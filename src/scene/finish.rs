@@ -269,6 +269,20 @@ impl Material {
     ///
     /// # Errors
     /// As [`Finish::check`]; the material then is as before.
+    ///
+    /// ```
+    /// use rtscript::scene::{Dispersion, Material};
+    /// let mut glass = Material::default();
+    /// glass.set_ior(1.5)?;
+    /// glass.set_shininess(200.0)?;
+    /// glass.set_dispersion(Dispersion::abbe(40.0))?;
+    /// glass.change_finish(|finish| finish.fresnel = true)?;
+    /// assert_eq!((glass.ior, glass.shininess), (1.5, 200.0));
+    /// // What is out of its range changes nothing.
+    /// assert!(glass.set_ior(-1.0).is_err());
+    /// assert_eq!(glass.ior, 1.5);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn change_finish(&mut self, change: impl FnOnce(&mut Finish)) -> Result<(), SceneError> {
         let mut finish = self.finish.as_deref().cloned().unwrap_or_default();
         change(&mut finish);

@@ -170,6 +170,21 @@ impl MappedImage {
     ///
     /// # Errors
     /// As [`MappedImage::new`].
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// use rtscript::scene::{ImageTexture, Laying, MappedImage, Pyramid, Texels, Texture, TextureFilter};
+    /// let picture = ImageTexture { name: "grid".to_owned(), width: 2, height: 2, texels: Texels::Srgb8(vec![[9; 3]; 4]) };
+    /// let copies = Arc::new(Pyramid::new(&picture));
+    /// let image = Arc::new(Texture::Image(picture));
+    /// // Two layings of one picture share its smaller copies.
+    /// let laying = Laying { filter: TextureFilter::Mip, ..Laying::default() };
+    /// for _ in 0..2 {
+    ///     MappedImage::with_copies(image.clone(), laying, |_| copies.clone())?;
+    /// }
+    /// assert_eq!(Arc::strong_count(&copies), 1);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn with_copies(
         image: Arc<Texture>,
         laying: Laying,

@@ -53,6 +53,13 @@ impl Term {
     }
 
     /// True where the term adds nothing anywhere.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, Term};
+    /// assert!(Term::color(DVec3::ZERO).is_black());
+    /// // A number is the same in each channel.
+    /// assert_eq!(Term::number(0.3), Term::color(DVec3::splat(0.3)));
+    /// ```
     #[must_use]
     pub fn is_black(&self) -> bool {
         self.color == Color::ZERO
@@ -110,6 +117,16 @@ impl Default for Material {
 
 impl Material {
     /// Kr: the mirror's weight, Ks unless it was given.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, Term, scene::Material};
+    /// let mut metal = Material::default();
+    /// metal.specular = Term::number(0.4);
+    /// // A mirror as its highlights, until it is given a weight of its own.
+    /// assert_eq!(metal.mirror(), Term::number(0.4));
+    /// metal.reflection = Some(Term::number(0.9));
+    /// assert_eq!(metal.mirror(), Term::number(0.9));
+    /// ```
     #[must_use]
     pub fn mirror(&self) -> Term {
         self.reflection.unwrap_or(self.specular)

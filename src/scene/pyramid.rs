@@ -87,6 +87,17 @@ impl Pyramid {
     /// The short side decides between which copies, and up to [`Pyramid::MOST_PROBES`] places along the long side are looked at,
     /// with equal weights (McCormack, Perry, Farkas and Jouppi, "Feline: fast elliptical lines for anisotropic texture mapping",
     /// SIGGRAPH 1999, whose weights are Gaussian). A longer ellipse is looked at as if it were wider.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, math::DVec2, scene::{ImageTexture, Pyramid, Texels, Wrap}};
+    /// // Black and white columns, looked at over an ellipse that is as wide as the picture and as narrow as a texel.
+    /// let columns = [[0.0; 3], [1.0; 3]].repeat(8);
+    /// let stripes = ImageTexture { name: "stripes".to_owned(), width: 2, height: 8, texels: Texels::Linear(columns) };
+    /// let copies = Pyramid::new(&stripes);
+    /// let axes = [DVec2::new(1.0, 0.0), DVec2::new(0.0, 0.125)];
+    /// let color = copies.color_over(&stripes, Wrap::Repeat, DVec2::splat(0.5), axes);
+    /// assert!((color - DVec3::splat(0.5)).length() < 0.01, "{color}");
+    /// ```
     #[must_use]
     pub fn color_over(&self, image: &ImageTexture, wrap: Wrap, uv: DVec2, axes: [DVec2; 2]) -> Color {
         let size = DVec2::new(f64::from(image.width), f64::from(image.height));

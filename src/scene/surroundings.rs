@@ -135,6 +135,16 @@ pub enum Sky {
 }
 
 /// Light from all around. Seen from a diffuse surface in the open, an environment that is 1 everywhere gives 1.
+///
+/// ```
+/// use rtscript::{Builder, DVec3, scene::{Environment, Sky}};
+/// let sky = Sky::Daylight { sun: DVec3::new(1.0, 1.0, 0.0), turbidity: 3.0, ground: DVec3::splat(0.2) };
+/// // Half as bright, turned by a quarter, 8 x 8 directions from each point that it lights.
+/// let evening = Environment::new(sky, DVec3::splat(0.5), 90.0, 8)?;
+/// assert!(matches!(evening.sky(), Sky::Daylight { .. }));
+/// assert_eq!((evening.strength(), evening.rotation(), evening.n()), (DVec3::splat(0.5), 90.0, 8));
+/// # Ok::<(), rtscript::scene::SceneError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Environment {
     pub(crate) sky: Sky,
@@ -229,6 +239,14 @@ impl Environment {
 
 /// How much of the ambient term is left in corners: the share of the half sphere above a point, weighted by the cosine,
 /// in which nothing is nearer than `distance` (Zhukov, Iones and Kronin, "An ambient light illumination model", 1998).
+///
+/// ```
+/// use rtscript::scene::Occlusion;
+/// // Corners darken within half a unit of a wall.
+/// assert_eq!(Occlusion::new(0.5, 4)?.distance(), 0.5);
+/// assert!(Occlusion::new(0.0, 4).is_err());
+/// # Ok::<(), rtscript::scene::SceneError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Occlusion {
     pub(crate) distance: f64,
@@ -266,6 +284,14 @@ impl Occlusion {
 /// Fog that has a color of its own, whatever lights there are: of what lies at a distance d there is seen exp(-d /
 /// `distance`), and the rest is fog. Where it has a height, its density is that at the height `base` times exp(-(y -
 /// base) / height).
+///
+/// ```
+/// use rtscript::{DVec3, scene::Fog};
+/// // Mist over a lake at y = -1: 20 units of it hide all but 1 / e, a unit higher it is 1 / e as thick.
+/// let mist = Fog::new(DVec3::splat(0.8), 20.0, -1.0, Some(1.0))?;
+/// assert_eq!((mist.distance(), mist.base(), mist.height()), (20.0, -1.0, Some(1.0)));
+/// # Ok::<(), rtscript::scene::SceneError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fog {
     pub(crate) color: Color,
@@ -328,6 +354,14 @@ impl Fog {
 }
 
 /// Air, even everywhere, that takes light away and scatters it once towards the eye: beams and halos of the lights.
+///
+/// ```
+/// use rtscript::{DVec3, scene::Haze};
+/// // Smoke that swallows half of what it takes away, and scatters the rest mostly forwards.
+/// let smoke = Haze::new(0.1, DVec3::splat(0.5), 0.6, 4)?;
+/// assert_eq!((smoke.density(), smoke.albedo(), smoke.forward()), (0.1, DVec3::splat(0.5), 0.6));
+/// # Ok::<(), rtscript::scene::SceneError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Haze {
     pub(crate) density: f64,

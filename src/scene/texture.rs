@@ -170,6 +170,16 @@ impl Texture {
 
 impl Texture {
     /// [`Texture::VertexColors`]: the same one for all who ask, so that a scene has it once.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// use rtscript::{Builder, Term, DVec3, scene::Texture};
+    /// // A surface in the colors of its mesh's vertices.
+    /// let mut b = Builder::new();
+    /// let colors = b.texture(&Texture::vertex_colors());
+    /// b.material_mut().diffuse = Term { color: DVec3::ONE, texture: Some(colors) };
+    /// assert!(Arc::ptr_eq(&Texture::vertex_colors(), &Texture::vertex_colors()));
+    /// ```
     #[must_use]
     pub fn vertex_colors() -> Arc<Self> {
         static SHARED: std::sync::LazyLock<Arc<Texture>> =

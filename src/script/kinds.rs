@@ -56,6 +56,14 @@ impl Group {
     ];
 
     /// Its heading in the reference.
+    ///
+    /// ```
+    /// use rtscript::script::{Group, Kind};
+    /// assert!(!Group::Shapes.title().is_empty() && !Group::Shapes.doc().is_empty());
+    /// // Where a point is wanted, three numbers do; where a number is wanted, they do not.
+    /// assert!(Kind::Vec3.spreads() && !Kind::Number.spreads());
+    /// assert!(!Kind::Vec3.doc().is_empty());
+    /// ```
     #[must_use]
     pub const fn title(self) -> &'static str {
         match self {

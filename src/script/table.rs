@@ -187,6 +187,12 @@ impl Entry {
     }
 
     /// How many arguments it may be given, in ascending order: a vector counts for one or for three.
+    ///
+    /// ```
+    /// use rtscript::script::entry;
+    /// // translate([x, y, z]) and translate(x, y, z).
+    /// assert_eq!(entry("translate").map(|e| e.arities()), Some(vec![1, 3]));
+    /// ```
     #[must_use]
     pub fn arities(&self) -> Vec<usize> {
         arities(self.arity_set()).collect()

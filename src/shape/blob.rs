@@ -27,7 +27,9 @@ use crate::{
 ///     BlobPart::ball(DVec3::NEG_X * 0.5, 1.0, 1.0),
 ///     BlobPart::rod(DVec3::ZERO, DVec3::X, 0.8, 1.0),
 /// ];
-/// assert_eq!(Blob::new(0.3, parts)?.parts().len(), 2);
+/// let blob = Blob::new(0.3, parts)?;
+/// assert_eq!(blob.threshold(), 0.3);
+/// assert!(blob.parts()[0].is_ball() && !blob.parts()[1].is_ball());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, PartialEq)]

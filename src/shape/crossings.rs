@@ -38,6 +38,39 @@ impl Default for Crossings {
 }
 
 /// What a shape hands its crossings to, in any order.
+///
+/// ```
+/// use rtscript::shape::{Crossing, CrossingSink};
+///
+/// /// Whether anything is crossed between `from` and `to`: the first crossing there is enough.
+/// struct Blocked {
+///     from: f64,
+///     to: f64,
+///     is_blocked: bool,
+/// }
+///
+/// impl CrossingSink for Blocked {
+///     fn push(&mut self, t: f64, _part: u32) {
+///         self.is_blocked |= t > self.from && t < self.to;
+///     }
+///
+///     fn span(&self) -> (f64, f64) {
+///         (self.from, self.to)
+///     }
+///
+///     fn is_served(&self) -> bool {
+///         self.is_blocked
+///     }
+/// }
+///
+/// let mut way = Blocked { from: 0.0, to: 5.0, is_blocked: false };
+/// way.push(7.0, 0);
+/// assert!(!way.is_served());
+/// way.push(4.0, 0);
+/// assert!(way.is_served());
+/// // A list takes all of them, wherever they are.
+/// assert_eq!(Vec::<Crossing>::new().span(), (f64::NEG_INFINITY, f64::INFINITY));
+/// ```
 pub trait CrossingSink {
     /// Takes a crossing at the ray parameter `t` on part `part` of the surface; NaN is dropped.
     fn push(&mut self, t: f64, part: u32);
@@ -129,6 +162,18 @@ impl Crossings {
 
     /// Drops the crossing that is the ray's own start on this surface: the one nearest to t = 0, if it is
     /// within `t_self`.
+    ///
+    /// ```
+    /// use rtscript::shape::{CrossingSink, Crossings};
+    /// // A ray that starts on a sphere: rounding puts its start a little off 0.
+    /// let mut crossings = Crossings::default();
+    /// crossings.push(1e-13, 0);
+    /// crossings.push(2.0, 0);
+    /// crossings.drop_start(1e-9);
+    /// assert_eq!(crossings.first_within(0.0, 9.0).map(|c| c.t), Some(2.0));
+    /// // Two crossings of a line are far fewer than are kept.
+    /// assert!(!crossings.is_cut());
+    /// ```
     pub fn drop_start(&mut self, t_self: f64) {
         let distances = self.as_slice().iter().map(|crossing| crossing.t.abs());
         let nearest = distances.enumerate().min_by(|(_, a), (_, b)| a.total_cmp(b));

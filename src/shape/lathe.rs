@@ -30,7 +30,8 @@ use crate::{
 /// use rtscript::{shape::Lathe, spline::Spline};
 /// // From the bottom of a bowl to its rim.
 /// let profile = vec![[0.0, 0.0], [0.8, 0.2], [1.0, 0.7]];
-/// assert_eq!(Lathe::new(profile.clone(), Spline::CatmullRom, false)?.points(), profile);
+/// let bowl = Lathe::new(profile.clone(), Spline::CatmullRom, false)?;
+/// assert_eq!((bowl.points(), bowl.is_closed()), (&profile[..], false));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, PartialEq)]

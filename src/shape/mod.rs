@@ -208,6 +208,16 @@ shapes! {
 
 impl Shape {
     /// A box around it where `to_from_object` takes it, tight for spheres; `None` where it has no end.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, math::DAffine3, shape::{Shape, Sphere}};
+    /// let ball = Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)?);
+    /// // A turned ball is as wide as before, where the turned box around it would be wider.
+    /// let turned = DAffine3::from_rotation_z(0.7);
+    /// let size = ball.bounds_under(&turned).map(|b| b.size());
+    /// assert!(size.is_some_and(|size| (size - DVec3::splat(2.0)).length() < 1e-9));
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     #[must_use]
     pub fn bounds_under(&self, to_from_object: &DAffine3) -> Option<Bounds3> {
         match self {

@@ -23,7 +23,10 @@ use crate::{
 /// use rtscript::{DVec3, math::Bounds3, shape::Quadric};
 /// // x^2 + z^2 - y^2 = 0: a double cone, cut off at y = -1 and 1.
 /// let coefficients = [1.0, -1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-/// assert!(Quadric::new(coefficients, Some(Bounds3::new(DVec3::NEG_ONE, DVec3::ONE))).is_ok());
+/// let part = Bounds3::new(DVec3::NEG_ONE, DVec3::ONE);
+/// let cone = Quadric::new(coefficients, Some(part))?;
+/// assert_eq!((cone.coefficients(), cone.clip()), (coefficients, Some(part)));
+/// # Ok::<(), rtscript::scene::SceneError>(())
 /// ```
 #[derive(Clone, PartialEq)]
 pub struct Quadric {

@@ -16,7 +16,7 @@ use crate::{
 /// ```
 /// use rtscript::{DVec3, shape::RoundedBox};
 /// // Twice the radius must fit into each side.
-/// assert!(RoundedBox::new(DVec3::ONE, 0.2).is_ok());
+/// assert_eq!(RoundedBox::new(DVec3::ONE, 0.2).map(|b| b.radius()), Ok(0.2));
 /// assert!(RoundedBox::new(DVec3::ONE, 0.7).is_err());
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -15,7 +15,7 @@ use crate::{
 ///
 /// ```
 /// use rtscript::{DVec3, shape::Sphere};
-/// assert!(Sphere::new(DVec3::ZERO, 1.5).is_ok());
+/// assert_eq!(Sphere::new(DVec3::ZERO, 1.5).map(|s| s.radius()), Ok(1.5));
 /// assert!(Sphere::new(DVec3::ZERO, 0.0).is_err());
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -23,7 +23,7 @@ use crate::{
 /// ```
 /// use rtscript::shape::Superellipsoid;
 /// // A pillow.
-/// assert!(Superellipsoid::new(1.0, 0.2).is_ok());
+/// assert_eq!(Superellipsoid::new(1.0, 0.2).map(|s| (s.e(), s.n())), Ok((1.0, 0.2)));
 /// assert!(Superellipsoid::new(0.0, 1.0).is_err());
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

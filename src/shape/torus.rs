@@ -17,8 +17,9 @@ use crate::{
 ///
 /// ```
 /// use rtscript::shape::{Shape, Torus};
-/// let ring = Shape::Torus(Torus::new(2.0, 0.5)?);
-/// assert_eq!(ring.bounds().map(|b| b.size().to_array()), Some([5.0, 1.0, 5.0]));
+/// let ring = Torus::new(2.0, 0.5)?;
+/// assert_eq!((ring.major(), ring.minor()), (2.0, 0.5));
+/// assert_eq!(Shape::Torus(ring).bounds().map(|b| b.size().to_array()), Some([5.0, 1.0, 5.0]));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -54,6 +54,13 @@ impl Heights {
     }
 
     /// The place of a column and a row in the unit square: x and z, each from -0.5 to 0.5.
+    ///
+    /// ```
+    /// use rtscript::tessellate::Heights;
+    /// // The first column and row are the far left corner, the last ones the near right.
+    /// assert_eq!(Heights::place(3, 5, 0, 0), (-0.5, -0.5));
+    /// assert_eq!(Heights::place(3, 5, 2, 4), (0.5, 0.5));
+    /// ```
     #[must_use]
     pub fn place(columns: usize, rows: usize, column: usize, row: usize) -> (f64, f64) {
         let along = |i: usize, n: usize| i as f64 / (n.max(2) - 1) as f64 - 0.5;

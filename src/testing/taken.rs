@@ -102,6 +102,29 @@ impl Taken {
     }
 
     /// What it is there to show, in a sentence; it is kept with the snapshot and not compared.
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3, Limits, NoHost, RenderOptions, Script, render, testing::Taken};
+    /// let mut b = Builder::new();
+    /// b.size(8, 8)?;
+    /// b.directional(DVec3::Z, DVec3::ONE)?;
+    /// b.sphere(DVec3::ZERO, 1.0)?;
+    /// let scene = b.finish().value;
+    /// let image = render(&scene, &RenderOptions::default(), &NoHost)?.value.image;
+    /// // What a format of one's own keeps of a file that it read: picture, scene, and what was said about it.
+    /// let taken = Taken::picture(image)
+    ///     .with_scene(&scene)
+    ///     .with_note("3 lines were skipped")
+    ///     .with_description("a ball in plain light")
+    ///     .with_input_file("balls/plain.ball");
+    /// assert!(taken.text().contains("3 lines were skipped\n"), "{}", taken.text());
+    /// assert_eq!(taken.description(), Some("a ball in plain light"));
+    /// assert!(taken.input_file().is_some_and(|path| path.ends_with("plain.ball")));
+    /// // And where there is no picture, the message.
+    /// let error = Script::compile("a.rhai", "sphere(", &Limits::default()).expect_err("it is not complete");
+    /// assert!(Taken::error(&error).text().contains("a.rhai:1"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn with_description(mut self, description: impl Into<String>) -> Self {
         self.description = Some(description.into());

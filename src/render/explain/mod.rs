@@ -325,6 +325,27 @@ impl<'s> World<'s> {
     ///
     /// # Errors
     /// As [`World::explain`]; `Script` where there is no such sample.
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3, NoHost, Term, render::World};
+    /// let mut b = Builder::new();
+    /// b.size(9, 9)?;
+    /// b.samples(4)?;
+    /// b.material_mut().diffuse = Term::number(0.8);
+    /// b.point(DVec3::Z * 5.0, DVec3::ONE)?;
+    /// b.sphere(DVec3::ZERO, 1.0)?;
+    /// let scene = b.finish().value;
+    /// let world = World::compile(&scene)?;
+    /// assert_eq!(world.samples_at(4, 4, &NoHost)?, 4);
+    /// // The last of the pixel's camera rays, by itself.
+    /// let last = world.explain_sample(4, 4, 3, &NoHost)?;
+    /// let hit = last.rays[0].hit.as_ref().expect("the ball");
+    /// // All that is seen is what the point sends out by itself: nothing is mirrored.
+    /// assert_eq!(last.value, hit.local());
+    /// let lit = hit.lights.iter().fold(DVec3::ZERO, |sum, light| sum + light.added());
+    /// assert!(lit.x > 0.0 && lit.x <= hit.local().x);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn explain_sample(
         &self,
         x: u32,

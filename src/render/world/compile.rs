@@ -50,6 +50,16 @@ impl<'s> World<'s> {
     ///
     /// # Errors
     /// As [`World::compile`]; `Cancelled` where the host asks to stop.
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3, NoHost, render::World};
+    /// let mut b = Builder::new();
+    /// b.sphere(DVec3::ZERO, 1.0)?;
+    /// let scene = b.finish().value;
+    /// // `NoHost` never asks to stop; the host of a program may, where the scene takes long.
+    /// assert_eq!(World::compile_for(&scene, &NoHost)?.primitives(), 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn compile_for(scene: &'s Scene, host: &dyn Host) -> Result<Self, Error> {
         Self::compile_keeping(scene, None, &Interrupt::new(host))
     }

@@ -28,10 +28,12 @@ const PIECE: usize = 1 << 14;
 /// b.sphere(DVec3::ZERO, 1.0)?;
 /// let scene = b.finish().value;
 /// let mut options = RenderOptions::default();
-/// options.trees = Some(KeptTrees::new());
+/// let trees = KeptTrees::new();
+/// options.trees = Some(trees.clone());
 /// // The second picture finds the trees that the first one built.
 /// let first = render(&scene, &options, &NoHost)?.value.image.hash();
 /// assert_eq!(first, render(&scene, &options, &NoHost)?.value.image.hash());
+/// assert_eq!(trees.counts(), (1, 1));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, Default)]

@@ -158,6 +158,21 @@ impl<'s> World<'s> {
 
     /// [`World::nearest_t`] of each ray. Rays that leave one point in nearly one direction, 64 in a row, are
     /// traced together, which is faster; the answers are the same.
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3, math::Ray, render::World};
+    /// let mut b = Builder::new();
+    /// b.sphere(DVec3::ZERO, 1.0)?;
+    /// let scene = b.finish().value;
+    /// let world = World::compile(&scene)?;
+    /// // A range finder that looks down from a row of places.
+    /// let rays: Vec<Ray> = (0..3).map(|x| Ray::new(DVec3::new(f64::from(x), 5.0, 0.0), DVec3::NEG_Y)).collect();
+    /// let distances: Vec<Option<f64>> = world.nearest_t_many(&rays, 100.0).into_iter().map(|hit| Some(hit?.0)).collect();
+    /// assert_eq!(distances, [Some(4.0), Some(5.0), None]);
+    /// assert_eq!(world.nearest_t(&rays[0], 100.0).map(|(t, _)| t), Some(4.0));
+    /// assert!(world.bytes() > 0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn nearest_t_many(&self, rays: &[Ray], t_max: f64) -> Vec<Option<(f64, u64)>> {
         let mut found = Vec::with_capacity(rays.len());
@@ -178,6 +193,21 @@ impl<'s> World<'s> {
 
     /// [`World::is_occluded`] of each ray with its own `t_max`, for as many as there are of both. Together as in
     /// [`World::nearest_t_many`].
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3, math::Ray, render::World};
+    /// let mut b = Builder::new();
+    /// b.sphere(DVec3::ZERO, 1.0)?;
+    /// let scene = b.finish().value;
+    /// let world = World::compile(&scene)?;
+    /// // Is the ball between the lamp and these two places on the floor?
+    /// let lamp = DVec3::Y * 5.0;
+    /// let places = [DVec3::NEG_Y, DVec3::new(3.0, -1.0, 0.0)];
+    /// let rays = places.map(|place| Ray::new(lamp, (place - lamp).normalize()));
+    /// let distances = places.map(|place| (place - lamp).length() - 1e-6);
+    /// assert_eq!(world.are_occluded(&rays, &distances), [true, false]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn are_occluded(&self, rays: &[Ray], t_max: &[f64]) -> Vec<bool> {
         let mut occluded = Vec::with_capacity(rays.len());

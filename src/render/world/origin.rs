@@ -16,6 +16,21 @@ impl<'s> World<'s> {
     }
 
     /// [`World::objects_of`] as groups and places in them.
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3, math::Ray, render::World};
+    /// let mut b = Builder::new();
+    /// b.sphere(DVec3::ZERO, 1.0)?;
+    /// b.sphere(DVec3::X * 5.0, 1.0)?;
+    /// let scene = b.finish().value;
+    /// let world = World::compile(&scene)?;
+    /// let ray = Ray::new(DVec3::new(5.0, 5.0, 0.0), DVec3::NEG_Y);
+    /// let (_, number) = world.nearest_t(&ray, 100.0).expect("it hits the second ball");
+    /// let places = world.places_of(number);
+    /// assert_eq!(places.iter().map(|(_, index)| *index).collect::<Vec<_>>(), [1]);
+    /// assert_eq!(world.objects_of(number).len(), 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn places_of(&self, mut number: u64) -> Vec<(GroupId, u32)> {
         let mut path = Vec::new();

@@ -44,6 +44,18 @@ impl Builder {
     ///
     /// # Errors
     /// Past the limit `transform_depth`.
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3, math::DAffine3};
+    /// let mut b = Builder::new();
+    /// let mark = b.begin_group()?;
+    /// b.translate(DVec3::X)?;
+    /// b.sphere(DVec3::ZERO, 1.0)?;
+    /// b.end_group(mark);
+    /// // What was moved inside stays there; what comes now is where it was before.
+    /// assert_eq!(b.current_transform(), DAffine3::IDENTITY);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn begin_group(&mut self) -> Result<GroupMark, SceneError> {
         let floor = self.floor;
         self.push_transform()?;
@@ -109,6 +121,20 @@ impl Builder {
     ///
     /// # Errors
     /// As [`Builder::instance`] and [`Builder::mult_matrix`], naming the matrix, counted from 0.
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3};
+    /// let mut b = Builder::new();
+    /// let mark = b.begin_define("tree")?;
+    /// b.sphere(DVec3::Y, 0.5)?;
+    /// b.end_define(mark, true);
+    /// // Rows of matrices: each tree at its own place along x.
+    /// let at = |x| [1.0, 0.0, 0.0, x, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+    /// b.instances("tree", &[at(-2.0), at(0.0), at(2.0)])?;
+    /// let scene = b.finish().value;
+    /// assert_eq!(scene.world_from_object(&scene.root().objects[2]).translation, DVec3::X * 2.0);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn instances(&mut self, name: &str, matrices: &[[f64; 16]]) -> Result<(), SceneError> {
         let id = self.defined(name)?;
         let outer = self.ctm;

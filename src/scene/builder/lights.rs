@@ -58,6 +58,15 @@ impl Builder {
     ///
     /// # Errors
     /// Where `n` is not in 1..=256, a number is not finite, or the limit `lights` is passed.
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3};
+    /// let mut b = Builder::new();
+    /// // A unit square above the scene; what its 4 x 4 points send is white light in all.
+    /// b.area_light(DVec3::new(-0.5, 3.0, -0.5), DVec3::X, DVec3::Z, DVec3::ONE, 4)?;
+    /// assert_eq!(b.finish().value.root().lights[0].kind.points(), 16);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn area_light(
         &mut self,
         corner: DVec3,

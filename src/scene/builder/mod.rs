@@ -78,6 +78,19 @@ impl Builder {
     }
 
     /// An empty scene with every default.
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3, Limits};
+    /// // As much as a script of a stranger may do.
+    /// let mut limits = Limits::untrusted();
+    /// limits.primitives = 2;
+    /// let mut b = Builder::with_limits(limits);
+    /// b.sphere(DVec3::ZERO, 1.0)?;
+    /// b.sphere(DVec3::X, 1.0)?;
+    /// assert!(b.sphere(DVec3::Y, 1.0).is_err());
+    /// assert_eq!(b.limits().primitives, 2);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     #[must_use]
     pub fn with_limits(limits: Limits) -> Self {
         Self {
@@ -128,6 +141,20 @@ impl Builder {
     }
 
     /// A warning of the class `code` at the current place.
+    ///
+    /// ```
+    /// use rtscript::{Builder, diag::{Code, SourceLoc}};
+    /// // A reader of files of its own says where in its file something looks wrong.
+    /// let mut b = Builder::new();
+    /// let file = b.file("stars.txt");
+    /// b.set_loc(SourceLoc { file, line: 7, column: 1 });
+    /// b.warn(Code::IgnoredInput, "the star has no color", Some("write one behind its place"));
+    /// assert_eq!(b.loc().line, 7);
+    /// let warnings = b.take_warnings();
+    /// assert_eq!(warnings[0].message, "the star has no color");
+    /// // They were handed over: the scene has none left to tell but that it is empty.
+    /// assert!(b.finish().warnings.iter().all(|w| w.code == Code::EmptyScene));
+    /// ```
     pub fn warn(&mut self, code: Code, message: impl Into<String>, hint: Option<&str>) {
         let loc = self.loc;
         self.warn_at(code, message, hint, loc);

@@ -107,6 +107,20 @@ impl Builder {
     ///
     /// # Errors
     /// Past the limit `depth` (at most 64).
+    ///
+    /// ```
+    /// use rtscript::{Builder, scene::{Crop, Encoding}};
+    /// let mut b = Builder::new();
+    /// b.size(640, 480)?;
+    /// // Two mirrors deep, light without a curve, the upper left quarter.
+    /// b.max_depth(2)?;
+    /// b.encoding(Encoding::Raw);
+    /// b.crop(Some(Crop::Fractions { left: 0.0, top: 0.0, right: 0.5, bottom: 0.5 }))?;
+    /// let scene = b.finish().value;
+    /// assert_eq!((scene.settings.max_depth, scene.settings.encoding), (2, Encoding::Raw));
+    /// assert!(scene.settings.crop.is_some());
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn max_depth(&mut self, n: u32) -> Result<(), SceneError> {
         let most = self.limits.depth.min(Settings::MAX_DEPTH);
         if n > most {
@@ -229,6 +243,22 @@ impl Builder {
     ///
     /// # Errors
     /// As [`Camera::with_motion`].
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3, scene::{Camera, Focus, Lens, Motion, Shutter, Stereo, StereoLayout}};
+    /// let mut b = Builder::new();
+    /// b.camera(Camera::new(DVec3::Z * 5.0, DVec3::ZERO, DVec3::Y, 40.0)?);
+    /// // It goes sideways while the shutter is open, for half of the way.
+    /// b.camera_motion(Some(Motion { eye: DVec3::new(1.0, 0.0, 5.0), at: DVec3::X, up: DVec3::Y }))?;
+    /// b.shutter(Shutter { open: 0.0, close: 0.5 })?;
+    /// // What is at the target is sharp, and each eye has its own half of the picture.
+    /// b.lens(Some(Lens::new(0.05)))?;
+    /// b.stereo(Some(Stereo { separation: 0.065, layout: StereoLayout::SideBySide, convergence: None }))?;
+    /// let camera = b.finish().value.camera;
+    /// assert_eq!(camera.lens.map(|lens| lens.focus), Some(Focus::Target));
+    /// assert!(camera.motion.is_some() && camera.stereo.is_some());
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn camera_motion(&mut self, motion: Option<Motion>) -> Result<(), SceneError> {
         self.scene.camera = self.scene.camera.with_motion(motion)?;
         Ok(())

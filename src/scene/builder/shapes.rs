@@ -28,6 +28,18 @@ impl Builder {
     }
 
     /// The handle of a material, the same for equal ones.
+    ///
+    /// ```
+    /// use rtscript::{Builder, Term, scene::Texture, DVec3};
+    /// let mut b = Builder::new();
+    /// let floor = b.texture(&Texture::Checker { even: DVec3::ONE, odd: DVec3::ZERO, size: 1.0 }.into());
+    /// assert!(matches!(b.texture_at(floor).map(|t| &**t), Some(Texture::Checker { .. })));
+    /// // Two materials that are equal are one.
+    /// let mut matt = b.material_mut().clone();
+    /// matt.diffuse = Term { color: DVec3::ONE, texture: Some(floor) };
+    /// let first = b.material_id(&matt);
+    /// assert_eq!(first, b.material_id(&matt.clone()));
+    /// ```
     pub fn material_id(&mut self, material: &Material) -> MaterialId {
         let materials = &mut self.scene.materials;
         *self.material_ids.entry(material.key()).or_insert_with(|| {

@@ -103,6 +103,21 @@ impl Builder {
     ///
     /// # Errors
     /// As [`Builder::mult_matrix`].
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3, math::DAffine3};
+    /// let mut b = Builder::new();
+    /// b.multiply(DAffine3::from_translation(DVec3::Y))?;
+    /// // A shear, row by row, acts before what was there.
+    /// b.mult_matrix(&[1.0, 0.5, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0])?;
+    /// assert_eq!(b.current_transform().transform_point3(DVec3::Y), DVec3::new(0.5, 2.0, 0.0));
+    /// // From here on nothing of that.
+    /// b.load_matrix(&[2.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 1.0])?;
+    /// assert_eq!(b.current_transform().transform_point3(DVec3::Y), DVec3::Y * 2.0);
+    /// b.load_identity();
+    /// assert_eq!(b.current_transform(), DAffine3::IDENTITY);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn load_matrix(&mut self, rows: &[f64; 16]) -> Result<(), SceneError> {
         self.ctm = Placing::at(affine(rows)?).ok_or_else(beyond)?;
         Ok(())

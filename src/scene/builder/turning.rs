@@ -9,6 +9,16 @@ impl Builder {
     ///
     /// # Errors
     /// Where `at` is `from`, `up` is zero or runs along the look, or as [`Builder::multiply`].
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3};
+    /// let mut b = Builder::new();
+    /// // A lamp's head at the ceiling that looks at the middle of the floor.
+    /// b.look_at(DVec3::new(3.0, 4.0, 0.0), DVec3::ZERO, DVec3::Y)?;
+    /// let nose = b.current_transform().transform_point3(DVec3::Z * 5.0);
+    /// assert!(nose.length() < 1e-12);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn look_at(&mut self, from: DVec3, at: DVec3, up: DVec3) -> Result<(), SceneError> {
         for (what, v) in [("from", from), ("at", at), ("up", up)] {
             finite(what, v)?;
@@ -33,6 +43,17 @@ impl Builder {
     ///
     /// # Errors
     /// Where `direction` is zero, or as [`Builder::multiply`].
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3};
+    /// let mut b = Builder::new();
+    /// // A tree that grows out of a slope.
+    /// let slope = DVec3::new(1.0, 1.0, 0.0);
+    /// b.align_to(slope)?;
+    /// let top = b.current_transform().transform_point3(DVec3::Y);
+    /// assert!((top - slope.normalize()).length() < 1e-12);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn align_to(&mut self, direction: DVec3) -> Result<(), SceneError> {
         finite("direction", direction)?;
         let Some(y) = unit(direction) else {
@@ -46,6 +67,17 @@ impl Builder {
     ///
     /// # Errors
     /// Where the points fall together, or as [`Builder::multiply`].
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3, shape::{Cylinder, Shape}};
+    /// let mut b = Builder::new();
+    /// let [a, c] = [DVec3::ZERO, DVec3::new(2.0, 1.0, 0.0)];
+    /// b.between(a, c)?;
+    /// b.shape(Shape::Cylinder(Cylinder::new(0.05, 1.0)?))?;
+    /// let ends = [-0.5, 0.5].map(|y| b.current_transform().transform_point3(DVec3::Y * y));
+    /// assert!((ends[0] - a).length() < 1e-12 && (ends[1] - c).length() < 1e-12);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn between(&mut self, a: DVec3, b: DVec3) -> Result<(), SceneError> {
         finite("a", a)?;
         finite("b", b)?;

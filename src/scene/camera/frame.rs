@@ -291,6 +291,21 @@ impl CameraFrame {
     }
 
     /// As [`CameraFrame::project`], in as many straight pieces as it takes, for every camera: of two eyes each sees it.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, scene::{Camera, Projection}};
+    /// let eye = [DVec3::Z * 5.0, DVec3::ZERO, DVec3::Y];
+    /// let [a, b] = [DVec3::new(-1.0, 1.0, 0.0), DVec3::new(1.0, 1.0, 0.0)];
+    /// // Straight lines stay straight in a perspective: one piece, level and in the upper half.
+    /// let straight = Camera::new(eye[0], eye[1], eye[2], 40.0)?.frame(100, 100);
+    /// let [from, to] = straight.project(a, b).expect("it is in view");
+    /// assert!((from[1] - to[1]).abs() < 1e-9 && from[1] < 50.0 && from[0] < to[0]);
+    /// // A fisheye bends them.
+    /// let fisheye = Projection::Fisheye { angle: 180.0, full_frame: false };
+    /// let bent = Camera::with_projection(eye[0], eye[1], eye[2], fisheye)?.frame(100, 100);
+    /// assert!(bent.project(a, b).is_none() && bent.paths(a, b).len() > 1);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     #[must_use]
     pub fn paths(&self, a: DVec3, b: DVec3) -> Vec<[[f64; 2]; 2]> {
         if let Some(line) = self.project(a, b) {

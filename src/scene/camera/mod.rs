@@ -70,6 +70,12 @@ impl Projection {
     }
 
     /// Whether the picture lies in a plane: the rays of straight lines of it lie in planes, too.
+    ///
+    /// ```
+    /// use rtscript::scene::Projection;
+    /// assert!(Projection::Perspective { fovy: 40.0 }.is_flat());
+    /// assert!(!Projection::Panorama { angle: 360.0, fovy: 180.0 }.is_flat());
+    /// ```
     #[must_use]
     pub const fn is_flat(&self) -> bool {
         matches!(self, Self::Perspective { .. } | Self::Orthographic { .. })

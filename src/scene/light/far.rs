@@ -16,6 +16,7 @@ use crate::{
 /// // Half a degree wide, as the real one.
 /// let sun = Sun::new(DVec3::new(1.0, 2.0, 1.0), 0.53, 16)?;
 /// assert_eq!(sun.angle(), 0.53);
+/// assert!(sun.direction().y > sun.direction().x);
 /// Builder::new().sun(sun, DVec3::ONE)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -99,7 +100,8 @@ impl Sun {
 /// let slide = b.texture(&Texture::Checker { even: DVec3::ONE, odd: DVec3::X, size: 0.1 }.into());
 /// let [from, at, up] = [DVec3::Z * 4.0, DVec3::ZERO, DVec3::Y];
 /// let projector = Projector::new([from, at, up], 30.0, slide, Attenuation::default())?;
-/// assert_eq!((projector.position(), projector.fovy()), (from, 30.0));
+/// assert_eq!((projector.position(), projector.target(), projector.up()), (from, at, up));
+/// assert_eq!(projector.fovy(), 30.0);
 /// b.projector(projector, DVec3::ONE)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

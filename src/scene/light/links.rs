@@ -50,6 +50,18 @@ impl Links {
     }
 
     /// Groups that it does not light.
+    ///
+    /// ```
+    /// use rtscript::{Builder, scene::Links};
+    /// let mut b = Builder::new();
+    /// let mark = b.begin_define("stage")?;
+    /// b.end_define(mark, true);
+    /// let stage = b.group_called("stage")?;
+    /// // Lights everything but the stage.
+    /// let links = Links::new(None, vec![stage])?;
+    /// assert_eq!((links.only(), links.except()), (None, &[stage][..]));
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     #[must_use]
     pub fn except(&self) -> &[GroupId] {
         &self.except

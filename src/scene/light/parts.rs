@@ -80,6 +80,20 @@ impl LightKind {
     }
 
     /// The direction towards it from a point: to its center, or to where it is far away. Any length.
+    ///
+    /// ```
+    /// use rtscript::{Builder, DVec3};
+    /// let mut b = Builder::new();
+    /// b.point(DVec3::new(0.0, 4.0, 0.0), DVec3::ONE)?;
+    /// b.directional(DVec3::X, DVec3::ONE)?;
+    /// let scene = b.finish().value;
+    /// let [lamp, sun] = [0, 1].map(|i| &scene.root().lights[i].kind);
+    /// assert_eq!((lamp.word(), sun.word()), ("point", "directional"));
+    /// // From a point at its side the lamp stands elsewhere; the sun does not.
+    /// let here = DVec3::new(0.0, 1.0, 0.0);
+    /// assert_eq!((lamp.towards(here), sun.towards(here)), (DVec3::Y * 3.0, DVec3::X));
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     #[must_use]
     pub fn towards(&self, from: DVec3) -> DVec3 {
         match self {

@@ -108,6 +108,14 @@ impl Spot {
     }
 
     /// Degrees of the soft edge, inside of the cone.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, scene::{Attenuation, Spot}};
+    /// // 20 degrees to where its light ends, of which 5 are the soft edge.
+    /// let spot = Spot::new(DVec3::Y * 3.0, DVec3::ZERO, (20.0, 5.0), 2.0, Attenuation::default())?;
+    /// assert_eq!((spot.target(), spot.angle(), spot.penumbra(), spot.tightness()), (DVec3::ZERO, 20.0, 5.0, 2.0));
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     #[must_use]
     pub fn penumbra(&self) -> f64 {
         self.penumbra

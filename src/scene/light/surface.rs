@@ -172,6 +172,18 @@ impl SurfaceLight {
     ///
     /// # Errors
     /// Where the radius is not greater than 0, a number is not finite, or `n` is not in 1..=256.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, scene::{Falloff, SurfaceLight}};
+    /// let bulb = SurfaceLight::sphere(DVec3::Y * 2.0, 0.1, 8, Falloff::Physical)?;
+    /// assert_eq!(bulb.falloff(), &Falloff::Physical);
+    /// // A unit sphere, made small and moved to its place.
+    /// assert_eq!(bulb.placing().transform_point3(DVec3::Y), DVec3::Y * 2.1);
+    /// let [right, down] = [DVec3::X, DVec3::NEG_Y];
+    /// let window = SurfaceLight::rectangle(DVec3::new(-0.5, 2.0, 0.0), [right, down], 8, Falloff::Physical)?;
+    /// assert_eq!(window.placing().transform_point3(DVec3::X), DVec3::new(0.5, 2.0, 0.0));
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn sphere(center: DVec3, radius: f64, n: u32, falloff: Falloff) -> Result<Self, SceneError> {
         let radius = checked_radius("a sphere light", radius)?;
         let linear = DMat3::from_diagonal(DVec3::splat(radius));

@@ -66,6 +66,12 @@ impl FilterKind {
     }
 
     /// The radius in pixels that it has unless it is given another.
+    ///
+    /// ```
+    /// use rtscript::scene::FilterKind;
+    /// // A box filter takes the samples of its own pixel and no other.
+    /// assert_eq!(FilterKind::Box.usual_radius(), 0.5);
+    /// ```
     #[must_use]
     pub const fn usual_radius(self) -> f64 {
         match self {

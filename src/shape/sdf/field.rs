@@ -264,6 +264,17 @@ impl Field {
     ///
     /// # Errors
     /// Where it is no program: a step is unknown, or takes the result of one that does not come before it.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, shape::Field};
+    /// let [x, _, z] = Field::point();
+    /// let text = x.hypot(&z).program();
+    /// let read = Field::from_program(&text)?;
+    /// assert_eq!(read.at(DVec3::new(3.0, 7.0, 4.0)), 5.0);
+    /// // A step that there is not.
+    /// assert!(Field::from_program("Guess(1)").is_err());
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn from_program(text: &str) -> Result<Self, SceneError> {
         let mut steps = Vec::new();
         for (i, text) in text.split("; ").enumerate() {
@@ -299,6 +310,13 @@ impl Field {
     }
 
     /// The number, where it is the same everywhere.
+    ///
+    /// ```
+    /// use rtscript::shape::Field;
+    /// let [x, ..] = Field::point();
+    /// assert_eq!(Field::constant(2.5).as_constant(), Some(2.5));
+    /// assert_eq!(x.as_constant(), None);
+    /// ```
     #[must_use]
     pub fn as_constant(&self) -> Option<f64> {
         match *self.steps {
@@ -336,6 +354,15 @@ impl Field {
     }
 
     /// The field of other points: `self` at the point with these coordinates.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, shape::Field};
+    /// // What is at x + 1 comes to x: the field moves to the left.
+    /// let [x, y, z] = Field::point();
+    /// let wave = x.sin();
+    /// let moved = wave.moved_to(&[&x + 1.0, y, z]);
+    /// assert_eq!(moved.at(DVec3::ZERO), wave.at(DVec3::X));
+    /// ```
     #[must_use]
     pub fn moved_to(&self, point: &[Self; 3]) -> Self {
         let mut all = Assembler::default();
@@ -369,12 +396,28 @@ impl Field {
     }
 
     /// The cosine of an angle in radians.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, shape::Field};
+    /// // The gyroid, of which Sdf::gyroid is the wall.
+    /// let [x, y, z] = Field::point();
+    /// let gyroid = x.sin() * y.cos() + y.sin() * z.cos() + z.sin() * x.cos();
+    /// assert_eq!(gyroid.at(DVec3::ZERO), 0.0);
+    /// ```
     #[must_use]
     pub fn cos(&self) -> Self {
         self.one(Step::Cos)
     }
 
     /// To the power of a number: products for whole ones up to 64, which also take negative fields.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, shape::Field};
+    /// let [x, ..] = Field::point();
+    /// assert_eq!(x.pow(3.0).at(DVec3::X * -2.0), -8.0);
+    /// // A root of what is negative is 0.
+    /// assert_eq!(x.pow(0.5).at(DVec3::X * -2.0), 0.0);
+    /// ```
     #[must_use]
     pub fn pow(&self, exponent: f64) -> Self {
         if exponent < 0.0 {
@@ -396,6 +439,15 @@ impl Field {
     }
 
     /// The lesser of both.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, shape::Field};
+    /// // Above a floor with a step in it: the lesser of two heights above ground.
+    /// let [x, y, _] = Field::point();
+    /// let ground = y.min(&x.max(&(&y - 1.0)));
+    /// assert_eq!(ground.at(DVec3::new(-1.0, 3.0, 0.0)), 2.0);
+    /// assert_eq!(ground.at(DVec3::new(5.0, 3.0, 0.0)), 3.0);
+    /// ```
     #[must_use]
     pub fn min(&self, other: &Self) -> Self {
         self.two(other, Step::Min)
@@ -414,12 +466,30 @@ impl Field {
     }
 
     /// How far it is from the nearest whole multiple of `period`, with sign; of those at most `most` periods from 0.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, shape::Field};
+    /// // A row of walls at x = -4, -2, 0, 2 and 4, none beyond.
+    /// let [x, ..] = Field::point();
+    /// let walls = x.wrap(2.0, 2.0).abs() - 0.1;
+    /// let is_wall = |x| walls.at(DVec3::X * x) < 0.0;
+    /// assert!(is_wall(-4.0) && is_wall(2.05) && !is_wall(1.0) && !is_wall(6.0));
+    /// ```
     #[must_use]
     pub fn wrap(&self, period: f64, most: f64) -> Self {
         self.one(|a| Step::Wrap(a, period, most))
     }
 
     /// Gradient noise at the point with these coordinates, between -1 and 1, as the function `noise` of scripts has it.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, shape::Field};
+    /// // Hills that are four units across and up to one high.
+    /// let [x, y, z] = Field::point();
+    /// let hills = y - Field::noise(&[x * 0.25, Field::constant(0.0), z * 0.25]);
+    /// let at = |y| hills.at(DVec3::new(1.0, y, 2.0));
+    /// assert!(at(-1.1) < 0.0 && at(1.1) > 0.0);
+    /// ```
     #[must_use]
     pub fn noise(point: &[Self; 3]) -> Self {
         let mut all = Assembler::default();

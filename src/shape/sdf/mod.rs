@@ -36,6 +36,16 @@ use crate::{
 ///
 /// Crossings are found by interval arithmetic: none is missed, however thin the wall. Of each the place is that of the
 /// change of sign of the field as f64 has it, to the last digits.
+///
+/// ```
+/// use rtscript::{DVec3, math::Bounds3, shape::{Field, Isosurface}};
+/// let [x, y, z] = Field::point();
+/// let within = Bounds3::new(DVec3::NEG_ONE, DVec3::ONE);
+/// let saddle = Isosurface::new(y - x.square() + z.square(), within)?;
+/// assert!(saddle.field().at(DVec3::NEG_Y) < 0.0);
+/// assert_eq!(saddle.within(), within);
+/// # Ok::<(), rtscript::scene::SceneError>(())
+/// ```
 #[derive(Clone)]
 pub struct Isosurface {
     field: Field,
@@ -277,6 +287,15 @@ impl Isosurface {
 
 impl Field {
     /// Bounds of its values in a box: at least as wide as they are.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, math::Bounds3, shape::Field};
+    /// let [x, y, _] = Field::point();
+    /// let within = Bounds3::new(DVec3::new(1.0, -2.0, 0.0), DVec3::new(3.0, 2.0, 0.0));
+    /// let (least, greatest) = (x + y.square()).range(&within);
+    /// // From x = 1 and y = 0 to x = 3 and y = 2.
+    /// assert!(least <= 1.0 && greatest >= 7.0 && greatest < 7.1);
+    /// ```
     #[must_use]
     pub fn range(&self, within: &Bounds3) -> (f64, f64) {
         let (min, max) = (within.min, within.max);

@@ -117,6 +117,19 @@ impl Sdf {
     }
 
     /// The inside of any field, with a box around it where one is known.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, math::Bounds3, shape::{Field, Sdf}};
+    /// // Piet Hein's superellipsoid, x^2.5 + y^2.5 + z^2.5 = 1, and how far it reaches.
+    /// let [x, y, z] = Field::point().map(|axis| axis.abs().pow(2.5));
+    /// let within = Bounds3::new(DVec3::splat(-1.1), DVec3::splat(1.1));
+    /// let egg = Sdf::from_field(x + y + z - 1.0, Some(within));
+    /// // It goes together with other solids.
+    /// let half = egg.intersection(&Sdf::plane());
+    /// assert!(half.field().at(DVec3::Y * -0.9) < 0.0 && half.field().at(DVec3::Y * 0.9) > 0.0);
+    /// half.isosurface()?;
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     #[must_use]
     pub fn from_field(field: Field, within: Option<Bounds3>) -> Self {
         let around = within.map(|bounds| Around {
@@ -187,6 +200,15 @@ impl Sdf {
     ///
     /// # Errors
     /// Where one is not a length.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, shape::Sdf};
+    /// let ring = Sdf::torus(2.0, 0.5)?;
+    /// // The middle of the tube is as deep inside as the tube is thick; the hole is outside.
+    /// assert_eq!(ring.field().at(DVec3::X * 2.0), -0.5);
+    /// assert_eq!(ring.field().at(DVec3::ZERO), 1.5);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn torus(major: f64, minor: f64) -> Result<Self, SceneError> {
         let (major, minor) = (
             length("the major radius", major)?,
@@ -214,6 +236,15 @@ impl Sdf {
     ///
     /// # Errors
     /// Where the radius is not a length, the points are one, or a coordinate is beyond 1e15.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, shape::Sdf};
+    /// let bone = Sdf::capsule(DVec3::ZERO, DVec3::X * 3.0, 0.5)?;
+    /// assert_eq!(bone.field().at(DVec3::new(1.0, 2.0, 0.0)), 1.5);
+    /// // It is round at its ends.
+    /// assert_eq!(bone.bounds().map(|b| (b.min.x, b.max.x)), Some((-0.5, 3.5)));
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn capsule(a: DVec3, b: DVec3, radius: f64) -> Result<Self, SceneError> {
         let radius = length("the radius", radius)?;
         for x in [a, b].into_iter().flat_map(|p| p.to_array()) {
@@ -240,6 +271,17 @@ impl Sdf {
     ///
     /// # Errors
     /// Where one is not a length.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, shape::Sdf};
+    /// // A pine: a trunk, and two cones upon each other.
+    /// let trunk = Sdf::cylinder(0.1, 1.0)?;
+    /// let crown = Sdf::cone(0.6, 1.0)?;
+    /// let pine = trunk.union(&crown.moved(DVec3::Y)).union(&crown.moved(DVec3::Y * 1.5));
+    /// assert!(pine.field().at(DVec3::Y * 1.6) < 0.0);
+    /// assert_eq!(pine.bounds().map(|b| (b.min.y, b.max.y)), Some((-0.5, 2.0)));
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn cone(radius: f64, height: f64) -> Result<Self, SceneError> {
         let (radius, height) = (length("the radius", radius)?, length("the height", height)?);
         let [x, y, z] = Field::point();
@@ -262,6 +304,13 @@ impl Sdf {
     ///
     /// # Errors
     /// Where one is not a length.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, shape::Sdf};
+    /// let egg = Sdf::ellipsoid(DVec3::new(1.0, 1.4, 1.0))?;
+    /// assert!(egg.field().at(DVec3::Y * 1.3) < 0.0 && egg.field().at(DVec3::X * 1.3) > 0.0);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn ellipsoid(radii: DVec3) -> Result<Self, SceneError> {
         for x in radii.to_array() {
             length("a radius", x)?;
@@ -281,6 +330,14 @@ impl Sdf {
     }
 
     /// All that lies below y = 0.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, shape::Sdf};
+    /// // The lower half of a ball: a bowl's form.
+    /// let half = Sdf::sphere(1.0)?.intersection(&Sdf::plane());
+    /// assert!(half.field().at(DVec3::Y * -0.5) < 0.0 && half.field().at(DVec3::Y * 0.5) > 0.0);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     #[must_use]
     pub fn plane() -> Self {
         let [_, y, _] = Field::point();
@@ -291,6 +348,16 @@ impl Sdf {
     ///
     /// # Errors
     /// Where one is not a length.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, shape::Sdf};
+    /// // A lattice that fills a ball: without end itself, it has the ball's.
+    /// let lattice = Sdf::gyroid(0.5, 0.06)?;
+    /// assert!(lattice.bounds().is_none());
+    /// let ball = lattice.intersection(&Sdf::sphere(1.0)?);
+    /// assert_eq!(ball.bounds().map(|b| b.size()), Some(DVec3::splat(2.0)));
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn gyroid(period: f64, thickness: f64) -> Result<Self, SceneError> {
         let (period, thickness) = (length("the period", period)?, length("the thickness", thickness)?);
         let k = 2.0 * math::PI / period;
@@ -320,6 +387,14 @@ impl Sdf {
     }
 
     /// What is inside of this one alone.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, shape::Sdf};
+    /// // A die with a dent in its top.
+    /// let die = Sdf::cuboid(DVec3::splat(2.0))?.difference(&Sdf::sphere(0.4)?.moved(DVec3::Y));
+    /// assert!(die.field().at(DVec3::Y * 0.9) > 0.0 && die.field().at(DVec3::ZERO) < 0.0);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     #[must_use]
     pub fn difference(&self, other: &Self) -> Self {
         Self::new(self.field.max(&-&other.field), self.around)
@@ -349,6 +424,19 @@ impl Sdf {
     ///
     /// # Errors
     /// Where `k` is not a length.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, shape::Sdf};
+    /// let [block, bore] = [Sdf::cuboid(DVec3::splat(2.0))?, Sdf::cylinder(0.5, 3.0)?];
+    /// // Near the rim of the hole the rounded cut takes away more, and the rounded part of both does, too.
+    /// let rim = DVec3::new(0.55, 0.95, 0.0);
+    /// assert!(block.difference(&bore).field().at(rim) < 0.0);
+    /// assert!(block.smooth_difference(&bore, 0.4)?.field().at(rim) > 0.0);
+    /// let within = DVec3::new(0.45, 0.95, 0.0);
+    /// assert!(block.intersection(&bore).field().at(within) < 0.0);
+    /// assert!(block.smooth_intersection(&bore, 0.4)?.field().at(within) > 0.0);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn smooth_difference(&self, other: &Self, k: f64) -> Result<Self, SceneError> {
         let k = length("the radius of the blend", k)?;
         Ok(Self::new(-blend(&-&self.field, &other.field, k), self.around))
@@ -369,6 +457,15 @@ impl Sdf {
     ///
     /// # Errors
     /// Where the axis has no direction, or the angle is no number.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, shape::Sdf};
+    /// // A plank along x that is turned to stand upright, and made twice as large.
+    /// let plank = Sdf::cuboid(DVec3::new(4.0, 0.2, 1.0))?;
+    /// let wall = plank.turned(DVec3::Z, 90.0)?.scaled(2.0)?;
+    /// assert!(wall.field().at(DVec3::Y * 3.9) < 0.0 && plank.field().at(DVec3::Y * 3.9) > 0.0);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn turned(&self, axis: DVec3, degrees: f64) -> Result<Self, SceneError> {
         let size = axis.length();
         if !(size > 0.0 && size.is_finite() && degrees.is_finite()) {
@@ -413,6 +510,15 @@ impl Sdf {
     ///
     /// # Errors
     /// Where it is not a number within 1e15.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, shape::Sdf};
+    /// // A pebble: a flat box whose edges are rounded by growing it. Corners grow least.
+    /// let pebble = Sdf::cuboid(DVec3::new(1.0, 0.5, 1.0))?.rounded(0.25)?;
+    /// assert_eq!(pebble.bounds().map(|b| b.size()), Some(DVec3::new(1.5, 1.0, 1.5)));
+    /// assert!(pebble.field().at(DVec3::new(0.7, 0.45, 0.7)) > 0.0);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn rounded(&self, by: f64) -> Result<Self, SceneError> {
         let by = number("the distance", by)?;
         Ok(Self::new(&self.field - by, self.around.map(|a| a.expanded(by))))
@@ -434,6 +540,16 @@ impl Sdf {
     ///
     /// # Errors
     /// Where it is not a number.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, shape::Sdf};
+    /// // A bar that turns by a quarter on its way from y = 0 to y = 1.
+    /// let bar = Sdf::cuboid(DVec3::new(2.0, 4.0, 0.2))?;
+    /// let twisted = bar.twisted(90.0)?;
+    /// let [below, above] = [DVec3::X * 0.9, DVec3::new(0.9, 1.0, 0.0)];
+    /// assert!(twisted.field().at(below) < 0.0 && twisted.field().at(above) > 0.0);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn twisted(&self, degrees: f64) -> Result<Self, SceneError> {
         let angle = number("the angle", degrees)? * (math::PI / 180.0);
         let [x, y, z] = Field::point();
@@ -458,6 +574,16 @@ impl Sdf {
     ///
     /// # Errors
     /// Where it is not a number.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, shape::Sdf};
+    /// // A straight rod that becomes an arch.
+    /// let rod = Sdf::capsule(DVec3::NEG_X * 2.0, DVec3::X * 2.0, 0.2)?;
+    /// let arch = rod.bent(30.0)?;
+    /// let end = DVec3::X * 2.0;
+    /// assert!(rod.field().at(end) < 0.0 && arch.field().at(end) > 0.0);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn bent(&self, degrees: f64) -> Result<Self, SceneError> {
         let angle = number("the angle", degrees)? * (math::PI / 180.0);
         let [x, y, z] = Field::point();
@@ -482,6 +608,15 @@ impl Sdf {
     ///
     /// # Errors
     /// Where a period is negative or no number, or all are 0.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, shape::Sdf};
+    /// // Five pearls in a row.
+    /// let pearls = Sdf::sphere(0.4)?.repeated(DVec3::X, Some(2))?;
+    /// let at = |x| pearls.field().at(DVec3::X * x);
+    /// assert!(at(0.0) < 0.0 && at(0.5) > 0.0 && at(-2.0) < 0.0 && at(3.0) > 0.0);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn repeated(&self, period: DVec3, count: Option<u32>) -> Result<Self, SceneError> {
         let periods = period.to_array();
         if !periods.iter().all(|p| (0.0..=1e15).contains(p)) || period == DVec3::ZERO {
@@ -506,6 +641,14 @@ impl Sdf {
     }
 
     /// With what lies on the positive side of an axis (0, 1, 2 for x, y, z) mirrored to the other.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, shape::Sdf};
+    /// // One ear makes two.
+    /// let ears = Sdf::sphere(0.3)?.moved(DVec3::X).mirrored(0);
+    /// assert!(ears.field().at(DVec3::X) < 0.0 && ears.field().at(DVec3::NEG_X) < 0.0);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     #[must_use]
     pub fn mirrored(&self, axis: usize) -> Self {
         let mut point = Field::point();
@@ -527,6 +670,14 @@ impl Sdf {
     ///
     /// # Errors
     /// Where `amount` is not a number, or `size` not a length.
+    ///
+    /// ```
+    /// use rtscript::{DVec3, shape::Sdf};
+    /// // A rock: a ball whose surface lies up to 0.1 above or below where it was.
+    /// let rock = Sdf::sphere(1.0)?.displaced(0.1, 0.4)?;
+    /// assert!(rock.field().at(DVec3::X * 0.85) < 0.0 && rock.field().at(DVec3::X * 1.15) > 0.0);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn displaced(&self, amount: f64, size: f64) -> Result<Self, SceneError> {
         let (amount, size) = (number("the amount", amount)?, length("the size", size)?);
         let point = Field::point().map(|x| x * size.recip());

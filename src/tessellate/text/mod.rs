@@ -242,6 +242,14 @@ impl Text {
     ///
     /// # Errors
     /// As [`Text::measure`].
+    ///
+    /// ```
+    /// use rtscript::{Limits, tessellate::{Allowance, Text}};
+    /// let limits = Limits::default();
+    /// let missing = Text::new("Hi 你").missing(&Allowance::of(&limits))?;
+    /// assert_eq!(missing, ['你']);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
     pub fn missing(&self, allowance: &Allowance<'_>) -> Result<Vec<char>, SceneError> {
         Ok(self.layout(&self.font.face()?, allowance)?.missing)
     }

@@ -212,6 +212,23 @@ impl Site {
     ///
     /// # Errors
     /// As [`Site::check`], for all files at once; also where the pattern finds none, or two that share a snapshot.
+    ///
+    /// ```
+    /// use std::path::Path;
+    /// use rtscript::testing::{Snapshotted, assert::{Site, SnapshotOptions, snapshot_site}};
+    /// // A test runner of one's own: each failure is a text to report.
+    /// let site: Site = snapshot_site!();
+    /// let options = SnapshotOptions::default();
+    /// let scene = Path::new("tests/scenes/shapes/sphere/default.rhai");
+    /// site.check_file(scene, &options)?;
+    /// site.check_glob("tests/scenes/shapes/sphere/*.rhai", &options)?;
+    /// // The same of what was rendered before: with options of one's own, say.
+    /// let taken = scene.take(Path::new(site.manifest_folder)).map_err(|e| e.to_string())?;
+    /// site.check_beside(scene, &taken, &options)?;
+    /// // A pattern that finds nothing is a mistake.
+    /// assert!(site.check_glob("tests/scenes/*.ball", &options).is_err());
+    /// # Ok::<(), String>(())
+    /// ```
     pub fn check_glob(&self, pattern: &str, options: &SnapshotOptions) -> Result<(), String> {
         let folder = Path::new(self.manifest_folder);
         let found = glob::find(folder, pattern).map_err(|e| format!("cannot look for \"{pattern}\": {e}"))?;

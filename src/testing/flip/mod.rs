@@ -90,6 +90,15 @@ impl FlipMap {
     }
 
     /// The map as a picture in the color map magma: black is 0, light yellow is 1.
+    ///
+    /// ```
+    /// use rtscript::testing::{flip, from_rgb8};
+    /// let [black, white] = [0, 255].map(|v| from_rgb8(2, 1, &[v; 6]));
+    /// // No difference is black, the greatest nearly white.
+    /// let dark = flip(&black, &black).expect("of one size").heat_picture().rgb8();
+    /// let light = flip(&black, &white).expect("of one size").heat_picture().rgb8();
+    /// assert!(dark[..3].iter().all(|v| *v < 10) && light[0] > 200, "{dark:?} {light:?}");
+    /// ```
     #[must_use]
     pub fn heat_picture(&self) -> Image {
         let color = |error: &f64| {
