@@ -520,12 +520,14 @@ fn examples_have_the_versions_of_this_crate() {
         ["snapshot-tests"],
         "copy Cargo.lock over the example's and run cargo metadata there"
     );
-    // What the command or a test needs besides may differ: the web server has dependencies of its own.
+    // What the command or a test needs besides may differ: the web server and the window have dependencies of their own.
     let library = ["rhai", "glam", "libm", "rayon", "image", "png", "blake3"];
-    for (name, version) in others("thumbnails") {
-        assert!(
-            !library.contains(&&*name),
-            "thumbnails is locked to {name} {version}, which rtscript is not"
-        );
+    for example in ["thumbnails", "viewer"] {
+        for (name, version) in others(example) {
+            assert!(
+                !library.contains(&&*name),
+                "{example} is locked to {name} {version}, which rtscript is not"
+            );
+        }
     }
 }
