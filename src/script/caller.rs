@@ -8,7 +8,8 @@ use std::cell::Cell;
 use rhai::{Dynamic, EvalAltResult, FnPtr, FuncArgs, NativeCallContext};
 
 use super::{
-    session::{self, State, with_state},
+    session::{State, with_state},
+    steps,
     value::{Outcome, ScriptError},
 };
 use crate::{
@@ -89,7 +90,7 @@ impl<'a, 'c> Caller<'a, 'c> {
 
     /// Puts something into the scene, under the place of the call: what was called meanwhile had places of its own.
     pub(crate) fn build<T>(&self, f: impl FnOnce(&mut State) -> Outcome<T>) -> Outcome<T> {
-        session::for_the_scene(
+        steps::for_the_scene(
             || {
                 self.with(|state| {
                     state.builder.set_loc(self.loc.get());

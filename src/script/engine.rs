@@ -22,10 +22,12 @@ use super::{
     call::{Call, wrong_count},
     caller::Caller,
     cells,
+    clock::Clock,
     language::Language,
     modules::Resolver,
     power,
-    session::{self, Clock, with_state},
+    session::{self, with_state},
+    steps,
     table::{Entry, Run, arities, entries},
     value::{Outcome, ScriptError},
     vocabulary::CONSTANTS,
@@ -175,7 +177,7 @@ fn invoke(entry: &'static Entry, ctx: &NativeCallContext<'_>, args: &mut [&mut D
     let mut call = Call::new(entry, args);
     let result = match entry.run {
         Run::Pure(run) => run(&mut call),
-        Run::Scene(run) => session::for_the_scene(
+        Run::Scene(run) => steps::for_the_scene(
             || {
                 with_state(|state| {
                     state.called(ctx.global_runtime_state().source.as_ref(), ctx.call_position())?;
@@ -215,7 +217,7 @@ pub(super) fn compiler(limits: &Limits, language: &Language) -> Result<Engine, B
         .set_strict_variables(true)
         .set_fail_on_invalid_map_property(true)
         .set_fast_operators(true)
-        // Counted by `session::watch`.
+        // Counted by `steps::watch`.
         .set_max_operations(0)
         .set_max_call_levels(limits.call_levels)
         .set_max_expr_depths(limits.expression_depth, limits.expression_depth)
@@ -292,7 +294,7 @@ pub(super) fn runner(limits: &Limits, language: &Language, ast: &AST) -> Result<
         engine.on_var(cells::on_variable);
     }
     engine.set_module_resolver(Resolver);
-    engine.on_progress(session::watch(limits));
+    engine.on_progress(steps::watch(limits));
     engine.on_print(session::print);
     engine.on_debug(|text, source, pos| {
         let (line, column) = (pos.line().unwrap_or(0), pos.position().unwrap_or(0));

@@ -3,12 +3,7 @@
 
 use rhai::{ParseError, ParseErrorType, Position};
 
-use super::{
-    engine, errors,
-    language::Language,
-    names,
-    session::{Clock, Source},
-};
+use super::{clock::Clock, engine, errors, language::Language, names, session::Source};
 use crate::{
     diag::{Code, Diagnostic},
     limits::Limits,

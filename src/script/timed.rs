@@ -8,7 +8,7 @@ use std::{
     time::Duration,
 };
 
-use super::{link::Remote, session::Clock};
+use super::{clock::Clock, link::Remote};
 use crate::host::{Host, HostError};
 
 /// Asks to stop once the script's time is over: in what the script asks for and may take long, such as a file of a few

@@ -1,7 +1,14 @@
 //! From the materials of a file (metal and roughness) to those of the shading equation.
 
-use std::{collections::BTreeSet, sync::Arc};
+mod extensions;
+mod paint;
 
+use std::collections::BTreeSet;
+
+use self::{
+    extensions::conductor,
+    paint::{BLACK, dimmed, gray, inverted, mixed, product},
+};
 use super::{
     super::assets::Assets,
     MATERIAL,
@@ -12,14 +19,9 @@ use super::{
 use crate::{
     color::Color,
     diag::Diagnostic,
-    scene::{
-        Absorption, Builder, ClearCoat, Conductor, Dispersion, Finish, Material, MaterialId, NormalMap,
-        Paint, Term, Texture,
-    },
+    scene::{Builder, Finish, Material, MaterialId, NormalMap, Paint, Term, Texture},
 };
 
-/// The index of refraction of what is no metal, where the file says nothing else.
-const IOR: f64 = 1.5;
 /// The largest factor of what has none in the format.
 const BRIGHTEST: f64 = 1e6;
 /// Extensions of materials that are read.
@@ -92,57 +94,6 @@ struct Shares {
     diffuse: Paint,
     /// What is mirrored head on.
     mirror: Paint,
-}
-
-const BLACK: Paint = Paint::color(Color::ZERO);
-
-fn gray(x: f64) -> Paint {
-    Paint::color(Color::splat(x))
-}
-
-fn dimmed(paint: &Paint, by: Color) -> Paint {
-    Paint {
-        color: paint.color * by,
-        texture: paint.texture.clone(),
-    }
-}
-
-/// `a` where `mask` is black and `b` where it is white.
-fn mixed(a: Paint, b: Paint, mask: Paint, item: &Item<'_, '_>) -> Result<Paint, Diagnostic> {
-    let is_plain = |paint: &Paint| paint.texture.is_none() || paint.color == Color::ZERO;
-    if is_plain(&mask) {
-        let m = mask.color;
-        if m == Color::ZERO {
-            return Ok(a);
-        }
-        if m == Color::ONE {
-            return Ok(b);
-        }
-        if is_plain(&a) && is_plain(&b) {
-            return Ok(Paint::color(a.color * (Color::ONE - m) + b.color * m));
-        }
-        if a.color == Color::ZERO {
-            return Ok(dimmed(&b, m));
-        }
-        if b.color == Color::ZERO {
-            return Ok(dimmed(&a, Color::ONE - m));
-        }
-    }
-    let texture = Texture::mix(a, b, mask).map_err(|error| item.error(error))?;
-    Ok(Paint::texture(Arc::new(texture)))
-}
-
-/// One paint seen through the other.
-fn product(a: &Paint, b: &Paint, item: &Item<'_, '_>) -> Result<Paint, Diagnostic> {
-    match (&a.texture, &b.texture) {
-        (None, _) => Ok(dimmed(b, a.color)),
-        (_, None) => Ok(dimmed(a, b.color)),
-        _ => mixed(BLACK, a.clone(), b.clone(), item),
-    }
-}
-
-fn inverted(a: &Paint, item: &Item<'_, '_>) -> Result<Paint, Diagnostic> {
-    mixed(gray(1.0), BLACK, a.clone(), item)
 }
 
 impl<'a> Look<'_, '_, 'a, '_, '_> {
@@ -443,99 +394,6 @@ impl<'a> Look<'_, '_, 'a, '_, '_> {
         product(paint, &open, item)
     }
 
-    /// The index of refraction. 0 stands for what mirrors everything.
-    fn ior(&mut self, extensions: &Item<'_, 'a>) -> Result<f64, Diagnostic> {
-        let Some(item) = extensions.get("KHR_materials_ior")? else {
-            return Ok(IOR);
-        };
-        match item.get("ior")? {
-            None => Ok(IOR),
-            Some(item) => match item.number()? {
-                0.0 => Ok(1e3),
-                x if (1.0..=1e3).contains(&x) => Ok(x),
-                x => Err(item.error(format!("expected 0 or a number from 1 to 1000, found {x}"))),
-            },
-        }
-    }
-
-    /// By how much what is no metal mirrors more or less than its index says.
-    fn specular(&mut self, extensions: &Item<'_, 'a>) -> Result<Color, Diagnostic> {
-        let Some(item) = extensions.get("KHR_materials_specular")? else {
-            return Ok(Color::ONE);
-        };
-        for name in ["specularTexture", "specularColorTexture"] {
-            if let Some(entry) = item.get(name)? {
-                self.warn(&entry, name, "the texture is not used, its factor is");
-            }
-        }
-        let color = item.color_or("specularColorFactor", 1.0, BRIGHTEST)?;
-        Ok(color * item.share_or("specularFactor", 1.0)?)
-    }
-
-    /// The share of what goes in that goes through.
-    fn transmission(&mut self, extensions: &Item<'_, 'a>) -> Result<Paint, Diagnostic> {
-        match extensions.get("KHR_materials_transmission")? {
-            None => Ok(BLACK),
-            Some(item) => self.share(
-                &item,
-                ("transmissionFactor", 0.0),
-                "transmissionTexture",
-                Channel::Red,
-            ),
-        }
-    }
-
-    fn coat(&mut self, extensions: &Item<'_, 'a>, finish: &mut Finish) -> Result<(), Diagnostic> {
-        let Some(item) = extensions.get("KHR_materials_clearcoat")? else {
-            return Ok(());
-        };
-        for name in [
-            "clearcoatTexture",
-            "clearcoatRoughnessTexture",
-            "clearcoatNormalTexture",
-        ] {
-            if let Some(entry) = item.get(name)? {
-                self.warn(&entry, name, "the texture is not used, its factor is");
-            }
-        }
-        let strength = item.share_or("clearcoatFactor", 0.0)?;
-        if strength > 0.0 {
-            finish.clear_coat = Some(ClearCoat {
-                strength: strength.into(),
-                roughness: item.share_or("clearcoatRoughnessFactor", 0.0)?.into(),
-            });
-        }
-        Ok(())
-    }
-
-    /// What is inside of glass.
-    fn inside(
-        &mut self,
-        volume: &Item<'_, 'a>,
-        extensions: &Item<'_, 'a>,
-        finish: &mut Finish,
-    ) -> Result<(), Diagnostic> {
-        if let Some(distance) = volume.get("attenuationDistance")? {
-            let color = volume.color_or("attenuationColor", 1.0, 1.0)?;
-            let color = color.max(Color::splat(1e-9));
-            if color != Color::ONE {
-                let distance = distance.within(1e-9, 1e15)?;
-                finish.absorption = Some(Absorption {
-                    color: Term::color(color),
-                    distance: distance.into(),
-                });
-            }
-        }
-        if let Some(item) = extensions.get("KHR_materials_dispersion")? {
-            let dispersion = item.number_or("dispersion", 0.0)?;
-            if dispersion > 0.0 {
-                // It is given as 20 over the Abbe number.
-                finish.dispersion = Some(Dispersion::Abbe((20.0 / dispersion).clamp(1.0, 1e6).into()));
-            }
-        }
-        Ok(())
-    }
-
     /// Relief by the normal texture.
     fn relief(&mut self, item: &Item<'_, 'a>) -> Result<Finish, Diagnostic> {
         let mut finish = Finish::default();
@@ -548,22 +406,5 @@ impl<'a> Look<'_, '_, 'a, '_, '_> {
             });
         }
         Ok(finish)
-    }
-}
-
-/// A metal of the color that it mirrors head on: Gulbrandsen, "Artist friendly metallic Fresnel", JCGT 3(4), 2014, halfway
-/// between its extremes, where the color at other angles is close to Schlick's.
-fn conductor(head_on: Color) -> Conductor {
-    let [r, g, b] = head_on.to_array().map(|r| {
-        // Beyond, the constants leave their range.
-        let r = r.clamp(0.0, 0.97);
-        let root = r.sqrt();
-        let eta = 0.5 * (1.0 - r) / (1.0 + r) + 0.5 * (1.0 + root) / (1.0 - root);
-        let k2 = ((eta + 1.0) * (eta + 1.0) * r - (eta - 1.0) * (eta - 1.0)) / (1.0 - r);
-        (eta, k2.max(0.0).sqrt())
-    });
-    Conductor {
-        eta: Term::color(Color::new(r.0, g.0, b.0)),
-        k: Term::color(Color::new(r.1, g.1, b.1)),
     }
 }

@@ -2,12 +2,13 @@
 
 use std::fmt::{self, Display};
 
+use super::{Writer, calls::Load};
 use crate::{
     color::Color,
     math::{DAffine3, DMat3, DVec3},
     scene::{
-        Falloff, LightForm, LightKind,
-        literal::{Components, Number, Vector},
+        Attenuation, Falloff, Group, GroupId, LightForm, LightKind, Links,
+        literal::{Components, Number, Text, Vector},
     },
 };
 
@@ -159,6 +160,66 @@ fn keeping_signs(kind: &LightKind) -> Option<DAffine3> {
     let linear = DMat3::from_cols(x, y, z).transpose();
     let translation = DVec3::from_array(rows.map(|[.., t]| t));
     Some(DAffine3::from_mat3_translation(linear, translation))
+}
+
+impl Writer<'_> {
+    pub(super) fn lights(&mut self, group: &Group, part: Option<std::ops::Range<usize>>) -> fmt::Result {
+        let lights = part.and_then(|part| group.lights.get(part)).unwrap_or(&[]);
+        for light in lights {
+            let (matrix, kind) = arguments(&light.kind);
+            let attenuation = kind.attenuation().copied().unwrap_or(self.attenuation);
+            if attenuation != self.attenuation {
+                self.attenuation = attenuation;
+                let Attenuation {
+                    constant,
+                    linear,
+                    quadratic,
+                } = attenuation;
+                self.call(format_args!(
+                    "attenuation({}, {}, {});",
+                    Number(constant),
+                    Number(linear),
+                    Number(quadratic)
+                ))?;
+            }
+            self.light_linking(&light.links)?;
+            if let LightKind::Projector(projector) = &kind {
+                self.register_textures(projector.image().index() + 1)?;
+            }
+            let call = LightCall(&kind, light.color).to_string();
+            let load = matrix.map(|matrix| Load(&matrix).to_string());
+            self.under(load.as_deref(), &call, light.loc)?;
+        }
+        Ok(())
+    }
+
+    /// Which groups the lights from here on reach, where that is not so already.
+    pub(super) fn light_linking(&mut self, links: &Links) -> fmt::Result {
+        if *links == self.links {
+            return Ok(());
+        }
+        self.links = links.clone();
+        let end = links.groups().map(|id| id.index() + 1).max().unwrap_or(0);
+        self.defines_before(end)?;
+        let names = |ids: &[GroupId]| {
+            let names = ids.iter().filter_map(|id| self.names.get(id.index()));
+            names
+                .map(|name| Text(name).to_string())
+                .collect::<Vec<_>>()
+                .join(", ")
+        };
+        let only = links.only().map(|only| format!("only: [{}]", names(only)));
+        let except = Some(links.except()).filter(|except| !except.is_empty());
+        let except = except.map(|except| format!("except: [{}]", names(except)));
+        let options: Vec<String> = only.into_iter().chain(except).collect();
+        let options = options.join(", ");
+        let separator = if options.is_empty() { "" } else { " " };
+        // A define that was just written has left what it links its own lights to.
+        self.links = links.clone();
+        self.call(format_args!(
+            "lightLinking(#{{{separator}{options}{separator}}});"
+        ))
+    }
 }
 
 #[cfg(test)]

@@ -15,8 +15,9 @@ use crate::{
     script::{
         Picture,
         call::Call,
+        clock::Clock,
         link::RenderLimits,
-        session::{Clock, State, limit},
+        session::{State, limit},
         table::{Entry, Group, Kind, Param},
         value::{ImageValue, Outcome, ScriptError},
     },

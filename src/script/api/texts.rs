@@ -7,7 +7,7 @@ use rhai::{Array, Dynamic, EvalAltResult, Map, Module, NativeCallContext, Positi
 
 use crate::script::{
     engine::{Purity, register},
-    session,
+    steps,
 };
 
 /// The names by which Rhai turns an array or a map into text, itself or for `+`, interpolation and `print`.
@@ -65,7 +65,7 @@ impl<'a, 'c> Writing<'a, 'c> {
     /// this call.
     fn finish(self, args: &mut [&mut Dynamic]) -> Dynamic {
         if self.is_full {
-            session::end_by_string(self.most, self.ctx.call_position());
+            steps::end_by_string(self.most, self.ctx.call_position());
             if let [value] = args {
                 **value = Dynamic::UNIT;
             }

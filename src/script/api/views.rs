@@ -20,6 +20,23 @@ use crate::{
 const FROM: Param = vec3("from", "world units", "where the camera stands");
 const AT: Param = vec3("at", "world units", "the point in the middle of the picture");
 const UP: Param = vec3("up", "none", "a direction that points up in the picture");
+const CIRCLE: Param = number(
+    "angle",
+    "degrees",
+    "what the circle spans, above 0 and at most 360",
+);
+const WIDTH: Param = number(
+    "angle",
+    "degrees",
+    "what the width spans, above 0 and at most 360",
+);
+const RADIUS: Param = number("radius", "world units", "radius of the aperture; 0 is a pinhole");
+const LAST_FROM: Param = vec3("from", "world units", "where the camera stands in the end");
+const LAST_AT: Param = vec3(
+    "at",
+    "world units",
+    "the point in the middle of the picture in the end",
+);
 
 const FOCUS: Param = Param::new(
     "focus",
@@ -47,12 +64,12 @@ pub(super) const ENTRIES: &[Entry] = &[
         .also(&["ortho", "glOrtho", "isometric", "parallel"]),
     Entry::scene(Group::Camera, "fisheye", fisheye)
         .takes(&[
-            &[FROM, AT, UP, number("angle", "degrees", "what the circle spans, above 0 and at most 360")],
+            &[FROM, AT, UP, CIRCLE],
             &[
                 FROM,
                 AT,
                 UP,
-                number("angle", "degrees", "what the circle spans, above 0 and at most 360"),
+                CIRCLE,
                 string("frame", "\"circle\": the circle touches the nearer edges of the picture; \"full\": it goes through the corners"),
             ],
         ])
@@ -67,7 +84,7 @@ pub(super) const ENTRIES: &[Entry] = &[
                 FROM,
                 AT,
                 UP,
-                number("angle", "degrees", "what the width spans, above 0 and at most 360"),
+                WIDTH,
                 number("fovy", "degrees", "what the height spans, above 0 and at most 180"),
             ],
         ])
@@ -77,12 +94,12 @@ pub(super) const ENTRIES: &[Entry] = &[
         .also(&["equirectangular", "spherical", "latlong", "vr", "360"]),
     Entry::scene(Group::Camera, "cylindrical", cylindrical)
         .takes(&[
-            &[FROM, AT, UP, number("angle", "degrees", "what the width spans, above 0 and at most 360")],
+            &[FROM, AT, UP, WIDTH],
             &[
                 FROM,
                 AT,
                 UP,
-                number("angle", "degrees", "what the width spans, above 0 and at most 360"),
+                WIDTH,
                 number("fovy", "degrees", "vertical field of view, between 0 and 180"),
             ],
         ])
@@ -92,18 +109,18 @@ pub(super) const ENTRIES: &[Entry] = &[
         .also(&["cylinderCamera", "panoramic"]),
     Entry::scene(Group::Camera, "lens", lens)
         .takes(&[
-            &[number("radius", "world units", "radius of the aperture; 0 is a pinhole")],
+            &[RADIUS],
             &[
-                number("radius", "world units", "radius of the aperture; 0 is a pinhole"),
+                RADIUS,
                 FOCUS,
             ],
             &[
-                number("radius", "world units", "radius of the aperture; 0 is a pinhole"),
+                RADIUS,
                 FOCUS,
                 APERTURE,
             ],
             &[
-                number("radius", "world units", "radius of the aperture; 0 is a pinhole"),
+                RADIUS,
                 APERTURE,
             ],
         ])
@@ -114,12 +131,12 @@ pub(super) const ENTRIES: &[Entry] = &[
     Entry::scene(Group::Camera, "cameraTo", camera_to)
         .takes(&[
             &[
-                vec3("from", "world units", "where the camera stands in the end"),
-                vec3("at", "world units", "the point in the middle of the picture in the end"),
+                LAST_FROM,
+                LAST_AT,
             ],
             &[
-                vec3("from", "world units", "where the camera stands in the end"),
-                vec3("at", "world units", "the point in the middle of the picture in the end"),
+                LAST_FROM,
+                LAST_AT,
                 vec3("up", "none", "a direction that points up in the picture in the end"),
             ],
         ])

@@ -7,6 +7,7 @@ mod line;
 mod noise;
 mod scalar;
 mod solid;
+mod step;
 mod tape;
 #[cfg(test)]
 mod tests;

@@ -11,9 +11,10 @@
 )]
 
 use super::{
-    field::{Field, Step},
+    field::Field,
     interval::Interval,
     scalar::{Scalar, Slope, cell},
+    step::Step,
 };
 
 /// What an operation does with the results `a`, `b`, `c` and the numbers `x`, `y`.

@@ -1,0 +1,142 @@
+//! The steps of a running script: every few of them, a look at its limits, the time and the wish to stop.
+
+use std::cell::Cell;
+
+use rhai::{Dynamic, Position};
+
+use super::{
+    cells,
+    session::{limit, with_state},
+    value::ScriptError,
+};
+use crate::{diag::ErrorKind, host::Host, limits::Limits, meter};
+
+/// Operations between two looks at the clock: some 50 microseconds.
+const CHECK_EVERY: u64 = 512;
+
+/// The steps of the script that runs on this thread.
+struct Steps {
+    /// Steps until the next look.
+    left: Cell<u64>,
+    /// Steps taken when none is left.
+    until: Cell<u64>,
+    /// Bytes that the thread may hold until then.
+    most_held: Cell<isize>,
+}
+
+impl Steps {
+    /// Plans the next look: after [`CHECK_EVERY`] steps, at the latest at the first beyond `operations`.
+    fn plan(&self, taken: u64, operations: u64) {
+        let next = taken
+            .saturating_add(CHECK_EVERY)
+            .min(operations.saturating_add(1));
+        let next = next.max(taken.saturating_add(1));
+        self.left.set(next - taken);
+        self.until.set(next);
+    }
+}
+
+thread_local! {
+    static STEPS: Steps = const { Steps { left: Cell::new(0), until: Cell::new(0), most_held: Cell::new(isize::MAX) } };
+}
+
+/// A watch that tells the engine when to end the run of the current thread: too many steps, the deadline, the
+/// host's wish, a used-up budget. What ends a run once ends it for good, also where Rhai passes over an error, as
+/// it does in the comparisons of a sort.
+///
+/// Steps are counted here: Rhai forgets those of closures that its own functions call.
+pub(super) fn watch(limits: &Limits) -> impl Fn(u64) -> Option<Dynamic> + Send + Sync + 'static {
+    let limits = limits.clone();
+    STEPS.with(|steps| {
+        steps.plan(0, limits.operations);
+        let most = isize::try_from(limits.script_memory).unwrap_or(isize::MAX);
+        steps.most_held.set(meter::held().saturating_add(most));
+    });
+    move |_| {
+        let goes_on = STEPS.with(|steps| {
+            let left = steps.left.get().saturating_sub(1);
+            steps.left.set(left);
+            left > 0 && meter::held() <= steps.most_held.get()
+        });
+        if goes_on {
+            return None;
+        }
+        look(&limits)
+    }
+}
+
+/// Whether the run is to end.
+#[cold]
+fn look(limits: &Limits) -> Option<Dynamic> {
+    let taken = STEPS.with(|steps| steps.until.get() - steps.left.get());
+    let ended = with_state(|state| {
+        if state.ended.is_none() {
+            state.ended = if taken > limits.operations {
+                let value = limits.operations;
+                Some(limit("the script takes too many steps", "operations", value))
+            } else if state.host.should_stop() {
+                Some(ScriptError::of_kind(ErrorKind::Cancelled, "the run was stopped"))
+            } else if state.time_left().is_zero() {
+                Some(state.too_long())
+            } else if holds_too_much() {
+                let value = limits.script_memory;
+                Some(limit(
+                    "the script's values take too much memory",
+                    "script_memory",
+                    value,
+                ))
+            } else if state.printed > limits.print_bytes {
+                let value = limits.print_bytes;
+                Some(limit("the script prints too much", "print_bytes", value))
+            } else {
+                None
+            };
+        }
+        state.ended.clone()
+    });
+    let Some(ended) = ended.flatten() else {
+        STEPS.with(|steps| steps.plan(taken, limits.operations));
+        return None;
+    };
+    // With none left, every further step looks here.
+    Some(Dynamic::from(*ended))
+}
+
+/// Whether the script holds more than it may, also when what nobody can reach any more is gone.
+fn holds_too_much() -> bool {
+    let too_much = || STEPS.with(|steps| meter::held() > steps.most_held.get());
+    if !too_much() {
+        return false;
+    }
+    cells::sweep();
+    too_much()
+}
+
+/// Ends the run at its next step: a text would be longer than the limit `string_bytes`.
+#[cold]
+pub(super) fn end_by_string(most: usize, at: Position) {
+    let first = with_state(|state| {
+        let ended = || limit("the string is too long", "string_bytes", most);
+        state.ended_at = at;
+        state.ended.get_or_insert_with(ended);
+    });
+    if first.is_some() {
+        STEPS.with(|steps| {
+            // What the next look counts is the same as before.
+            steps.until.set(steps.until.get() - steps.left.get());
+            steps.left.set(0);
+        });
+    }
+}
+
+/// Calls a function that puts something into the scene. What the thread then holds more is the scene's, which has limits
+/// of its own, and not the script's.
+pub(super) fn for_the_scene<T>(f: impl FnOnce() -> T, is_the_scenes: impl FnOnce(&T) -> bool) -> T {
+    let before = meter::held();
+    let result = f();
+    let more = meter::held().saturating_sub(before);
+    if more > 0 && is_the_scenes(&result) {
+        STEPS.with(|steps| steps.most_held.set(steps.most_held.get().saturating_add(more)));
+    }
+    result
+}
