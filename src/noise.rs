@@ -3,6 +3,8 @@
 //! Everything is a function of the point alone. Lattice points are told apart by an integer hash instead of a table, so
 //! that nothing repeats within [`REACH`].
 
+use std::ops::{Add, Mul, Neg, Sub};
+
 use crate::math::DVec3;
 
 /// How far from the origin there is noise, in any component: beyond, an f64 has no digits left for it.
@@ -55,30 +57,43 @@ fn within(p: DVec3) -> DVec3 {
 pub fn perlin(p: DVec3) -> f64 {
     let p = within(p);
     let cell = p.floor();
-    let f = p - cell;
-    let fade = f.map(|t| t * t * t * (t * (t * 6.0 - 15.0) + 10.0));
-    let [i, j, k] = cell.to_array().map(|c| c as i64);
+    in_cell(cell.to_array().map(|c| c as i64), (p - cell).to_array())
+}
+
+/// What gradient noise needs of a number: a value, or one that knows its gradient.
+pub(crate) trait Number:
+    Copy + From<f64> + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
+{
+}
+
+impl<T> Number for T where
+    T: Copy + From<f64> + Add<Output = T> + Sub<Output = T> + Mul<Output = T> + Neg<Output = T>
+{
+}
+
+/// [`perlin`] in the unit cell with this least corner, at `f` from there.
+pub(crate) fn in_cell<T: Number>([i, j, k]: [i64; 3], f: [T; 3]) -> T {
+    let number = T::from;
+    let fade = f.map(|t| t * t * t * (t * (t * number(6.0) - number(15.0)) + number(10.0)));
+    let lerp = |a: T, b: T, t: T| a + (b - a) * t;
     let corner = |x: i64, y: i64, z: i64| {
-        let d = f - DVec3::new(x as f64, y as f64, z as f64);
-        slope(hash(i + x, j + y, k + z), d)
+        let hash = hash(i.wrapping_add(x), j.wrapping_add(y), k.wrapping_add(z));
+        let [dx, dy, dz] = [(f[0], x), (f[1], y), (f[2], z)].map(|(f, c)| f - number(c as f64));
+        slope(hash, [dx, dy, dz])
     };
-    let along_x = |y, z| lerp(corner(0, y, z), corner(1, y, z), fade.x);
-    let along_y = |z| lerp(along_x(0, z), along_x(1, z), fade.y);
-    lerp(along_y(0), along_y(1), fade.z)
+    let along_x = |y, z| lerp(corner(0, y, z), corner(1, y, z), fade[0]);
+    let along_y = |z| lerp(along_x(0, z), along_x(1, z), fade[1]);
+    lerp(along_y(0), along_y(1), fade[2])
 }
 
-fn lerp(a: f64, b: f64, t: f64) -> f64 {
-    a + (b - a) * t
-}
-
-/// The dot product of `d` with one of the directions to the middles of a cube's twelve edges.
-fn slope(hash: u64, d: DVec3) -> f64 {
+/// The dot product of a vector with one of the directions to the middles of a cube's twelve edges.
+fn slope<T: Number>(hash: u64, [x, y, z]: [T; 3]) -> T {
     let [a, b] = match hash % 12 / 4 {
-        0 => [d.x, d.y],
-        1 => [d.x, d.z],
-        _ => [d.y, d.z],
+        0 => [x, y],
+        1 => [x, z],
+        _ => [y, z],
     };
-    let signed = |bit: u64, x: f64| if hash & bit == 0 { x } else { -x };
+    let signed = |bit: u64, x: T| if hash & bit == 0 { x } else { -x };
     signed(1, a) + signed(2, b)
 }
 
@@ -122,7 +137,7 @@ pub fn simplex(p: DVec3) -> f64 {
         if near > 0.0 {
             let [i, j, k] = (cell + corner).to_array().map(|c| c as i64);
             let squared = near * near;
-            sum += squared * squared * slope(hash(i, j, k), d);
+            sum += squared * squared * slope(hash(i, j, k), d.to_array());
         }
     }
     // Gustavson's factor for gradients to the middles of edges, which keeps the sum within 1.

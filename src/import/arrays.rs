@@ -2,7 +2,7 @@
 
 use crate::{
     color::Color,
-    math::{DVec2, DVec3, max_abs},
+    math::{DVec2, DVec3},
     scene::{Attribute, Mesh, SceneError},
 };
 
@@ -109,11 +109,8 @@ pub fn set_uvs(mesh: &mut Mesh, uvs: Vec<DVec2>, indices: &[i64]) -> Result<(), 
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn set_colors(mesh: &mut Mesh, colors: Vec<Color>, indices: Option<&[i64]>) -> Result<(), SceneError> {
-    let is_wrong = |c: &Color| !(c.is_finite() && c.min_element() >= 0.0 && max_abs(*c) <= 1e15);
-    if let Some((i, color)) = colors.iter().enumerate().find(|(_, c)| is_wrong(c)) {
-        return Err(SceneError::new(format!(
-            "color {i} of the mesh must be finite numbers from 0 to 1e15, not {color}"
-        )));
+    for (i, color) in colors.iter().enumerate() {
+        Mesh::check_color(*color, format_args!("color {i} of the mesh"))?;
     }
     mesh.colors = Some(match indices {
         Some(indices) => Attribute {

@@ -58,42 +58,21 @@ impl Scene {
     pub fn dump_short(&self, limit: usize) -> String {
         let mut out = String::new();
         self.write_settings(&mut out);
-        list(
-            &mut out,
-            limit,
-            self.files.iter().enumerate(),
-            |line, (i, name)| write!(line, "file {i} {name:?}"),
-        );
+        numbered(&mut out, limit, "file", &self.files, |line, name| {
+            write!(line, " {name:?}")
+        });
         for (i, group) in self.groups.iter().enumerate() {
             self.write_group(&mut out, limit, i, group);
         }
-        list(
-            &mut out,
-            limit,
-            self.materials.iter().enumerate(),
-            |line, (i, material)| {
-                write!(line, "material {i}")?;
-                write_material(line, material)
-            },
-        );
-        list(
-            &mut out,
-            limit,
-            self.textures.iter().enumerate(),
-            |line, (i, texture)| {
-                write!(line, "texture {i} ")?;
-                write_texture(line, self, texture)
-            },
-        );
-        list(
-            &mut out,
-            limit,
-            self.meshes.iter().enumerate(),
-            |line, (i, mesh)| {
-                write!(line, "mesh {i} ")?;
-                write_mesh(line, mesh)
-            },
-        );
+        numbered(&mut out, limit, "material", &self.materials, write_material);
+        numbered(&mut out, limit, "texture", &self.textures, |line, texture| {
+            line.push(' ');
+            write_texture(line, self, texture)
+        });
+        numbered(&mut out, limit, "mesh", &self.meshes, |line, mesh| {
+            line.push(' ');
+            write_mesh(line, mesh)
+        });
         out
     }
 
@@ -152,17 +131,12 @@ impl Scene {
             }
             write_loc(line, group.loc)
         });
-        list(
-            out,
-            limit,
-            group.objects.iter().enumerate(),
-            |line, (i, object)| {
-                write!(line, "  object {i} ")?;
-                self.write_object(line, object)
-            },
-        );
-        list(out, limit, group.lights.iter().enumerate(), |line, (i, light)| {
-            write!(line, "  light {i} ")?;
+        numbered(out, limit, "  object", &group.objects, |line, object| {
+            line.push(' ');
+            self.write_object(line, object)
+        });
+        numbered(out, limit, "  light", &group.lights, |line, light| {
+            line.push(' ');
             write_light(line, light)
         });
     }
@@ -225,6 +199,20 @@ fn list<T>(
         let hash = rest.finalize().to_hex();
         let _ = writeln!(out, "  and {more} more, hash {}", &hash[..32]);
     }
+}
+
+/// Writes a list whose lines begin with what they are and their number.
+fn numbered<T>(
+    out: &mut String,
+    limit: usize,
+    what: &str,
+    items: &[T],
+    write: impl Fn(&mut String, &T) -> fmt::Result,
+) {
+    list(out, limit, items.iter().enumerate(), |line, (i, item)| {
+        write!(line, "{what} {i}")?;
+        write(line, item)
+    });
 }
 
 /// Three numbers with blanks between.

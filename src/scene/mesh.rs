@@ -1,8 +1,10 @@
 //! Triangle meshes.
 
+use std::fmt;
+
 use crate::{
     color::Color,
-    math::{Bounds3, DVec2, DVec3},
+    math::{Bounds3, DVec2, DVec3, max_abs},
     scene::{MaterialId, SceneError},
 };
 
@@ -60,6 +62,19 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// Whether a vertex may have this color.
+    ///
+    /// # Errors
+    /// Where it is negative, not finite or beyond 1e15; the message says of `what`.
+    pub(crate) fn check_color(color: Color, what: fmt::Arguments<'_>) -> Result<(), SceneError> {
+        if color.is_finite() && color.min_element() >= 0.0 && max_abs(color) <= 1e15 {
+            return Ok(());
+        }
+        Err(SceneError::new(format!(
+            "{what} must be finite numbers from 0 to 1e15, not {color}"
+        )))
+    }
+
     /// A mesh of positions and triangles, checked. Attributes may be set afterwards.
     ///
     /// # Errors

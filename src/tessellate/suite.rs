@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+pub(super) use crate::shape::suite::Rng;
 use crate::{math::DVec3, scene::Mesh};
 
 /// How often each directed edge occurs without its opposite.
@@ -67,33 +68,6 @@ pub(super) fn check_normals(mesh: &Mesh, least: f64) {
             assert!((n.length() - 1.0).abs() < 1e-9, "{n} at {a}");
             assert!(n.dot(flat) >= least, "{} at {a} {b} {c}", n.dot(flat));
         }
-    }
-}
-
-/// Random numbers of a test.
-pub(super) struct Rng(u64);
-
-impl Rng {
-    pub(super) fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    pub(super) fn next(&mut self) -> u64 {
-        // Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014.
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    pub(super) fn below(&mut self, n: usize) -> usize {
-        (self.next() % n as u64) as usize
-    }
-
-    /// From 0 to 1.
-    pub(super) fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 53) as f64
     }
 }
 

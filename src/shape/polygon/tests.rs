@@ -1,5 +1,8 @@
 use super::{
-    super::{Crossings, suite::Rng},
+    super::{
+        Crossings,
+        suite::{CUBE_FACES, Rng, cube_corner},
+    },
     *,
 };
 
@@ -87,21 +90,14 @@ fn neighbours_share_their_edge_without_a_gap_or_an_overlap() {
 #[test]
 fn a_solid_of_polygons_is_tight() {
     let mut rng = Rng::new(52);
-    let corner = |i: usize| DVec3::from([0, 1, 2].map(|bit| if i >> bit & 1 == 1 { 1.0 } else { -1.0 }));
-    let faces = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
     for _ in 0..200 {
         let (turn, scale) = (rng.rotation(), rng.magnitude(-6.0, 6.0));
         let place = |p: DVec3| turn * p * scale;
-        let solid = faces.map(|face| Polygon::new(face.map(|i| place(corner(i))).to_vec()).unwrap());
+        let solid =
+            CUBE_FACES.map(|face| Polygon::new(face.map(|i| place(cube_corner(i))).to_vec()).unwrap());
         for _ in 0..200 {
-            let (a, b) = (corner(rng.below(8)), corner(rng.below(8)));
+            let mut corner = || cube_corner(rng.below(8) as u32);
+            let (a, b) = (corner(), corner());
             let aim = place(a.lerp(b, [0.0, 0.5, rng.unit()][rng.below(3)]));
             let inner = place(rng.in_cube() * 0.5);
             let ray = Ray::new(inner, (aim - inner) * rng.magnitude(-6.0, 6.0));

@@ -1,7 +1,7 @@
 //! The noise of the language, with its gradient and with bounds of both.
 
-use super::{interval::Interval, scalar::Scalar};
-use crate::{math::DVec3, noise::hash};
+use super::interval::Interval;
+use crate::{math::DVec3, noise::in_cell};
 
 /// No value is beyond this, nor any slope along an axis: at most 1 by the gradients themselves, and 15/8, the steepest of
 /// the fade, times a difference of at most 3 between two sides of a cell.
@@ -14,34 +14,6 @@ const STEEPEST: f64 = 1.0 + 3.0 * 15.0 / 8.0;
 const BENT: f64 = 30.0;
 /// More than the rounding of a value and of a gradient, whose terms are at most some tens.
 const ROUNDING: f64 = 1e-12;
-
-/// Gradient noise with Perlin's fifth-degree fade and twelve gradients ("Improving noise", SIGGRAPH 2002), the gradients
-/// chosen by an integer hash, in a cell whose least corner is `cell`, at `f` from there.
-fn in_cell<T: Scalar>(cell: [i64; 3], f: [T; 3]) -> T {
-    let constant = T::constant;
-    let fade = f.map(|t| {
-        let inner = t
-            .mul(t.mul(constant(6.0)).sub(constant(15.0)))
-            .add(constant(10.0));
-        t.mul(t).mul(t).mul(inner)
-    });
-    let lerp = |a: T, b: T, t: T| a.add(b.sub(a).mul(t));
-    let corner = |x: i64, y: i64, z: i64| {
-        let [i, j, k] = cell;
-        let hash = hash(i.wrapping_add(x), j.wrapping_add(y), k.wrapping_add(z));
-        let [dx, dy, dz] = [(f[0], x), (f[1], y), (f[2], z)].map(|(f, c)| f.sub(constant(c as f64)));
-        let [a, b] = match hash % 12 / 4 {
-            0 => [dx, dy],
-            1 => [dx, dz],
-            _ => [dy, dz],
-        };
-        let signed = |bit: u64, x: T| if hash & bit == 0 { x } else { x.neg() };
-        signed(1, a).add(signed(2, b))
-    };
-    let along_x = |y, z| lerp(corner(0, y, z), corner(1, y, z), fade[0]);
-    let along_y = |z| lerp(along_x(0, z), along_x(1, z), fade[1]);
-    lerp(along_y(0), along_y(1), fade[2])
-}
 
 /// The noise at a point.
 pub(super) fn value(p: DVec3) -> f64 {

@@ -1,5 +1,7 @@
 //! The kinds of numbers that a field is evaluated in: values, gradients, intervals, and intervals with their slopes.
 
+use std::ops::{Add, Mul, Neg, Sub};
+
 use super::{interval::Interval, noise};
 use crate::math::{self, DVec3};
 
@@ -371,27 +373,64 @@ impl Gradient {
     }
 }
 
-impl Scalar for Gradient {
-    fn constant(x: f64) -> Self {
+impl From<f64> for Gradient {
+    fn from(x: f64) -> Self {
         Self { v: x, d: DVec3::ZERO }
     }
+}
+
+impl Add for Gradient {
+    type Output = Self;
     fn add(self, other: Self) -> Self {
         Self {
             v: self.v + other.v,
             d: self.d + other.d,
         }
     }
+}
+
+impl Sub for Gradient {
+    type Output = Self;
     fn sub(self, other: Self) -> Self {
         Self {
             v: self.v - other.v,
             d: self.d - other.d,
         }
     }
+}
+
+impl Mul for Gradient {
+    type Output = Self;
     fn mul(self, other: Self) -> Self {
         Self {
             v: self.v * other.v,
             d: self.d * other.v + other.d * self.v,
         }
+    }
+}
+
+impl Neg for Gradient {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self {
+            v: -self.v,
+            d: -self.d,
+        }
+    }
+}
+
+impl Scalar for Gradient {
+    fn constant(x: f64) -> Self {
+        x.into()
+    }
+    fn add(self, other: Self) -> Self {
+        self + other
+    }
+    fn sub(self, other: Self) -> Self {
+        self - other
+    }
+    fn mul(self, other: Self) -> Self {
+        self * other
     }
     fn div(self, other: Self) -> Self {
         let v = self.v / other.v;
@@ -401,10 +440,7 @@ impl Scalar for Gradient {
         }
     }
     fn neg(self) -> Self {
-        Self {
-            v: -self.v,
-            d: -self.d,
-        }
+        -self
     }
     fn square(self) -> Self {
         self.chain(self.v * self.v, 2.0 * self.v)

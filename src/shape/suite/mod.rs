@@ -40,6 +40,21 @@ const VASE: [[f64; 2]; 6] = [
     [0.0, 0.9],
 ];
 
+/// A corner of the cube from -1 to 1: the bits of `i` say on which side along x, y and z.
+pub(crate) fn cube_corner(i: u32) -> DVec3 {
+    DVec3::from([0, 1, 2].map(|bit| if i >> bit & 1 == 1 { 1.0 } else { -1.0 }))
+}
+
+/// The corners of the cube's faces, counter-clockwise seen from outside.
+pub(crate) const CUBE_FACES: [[u32; 4]; 6] = [
+    [0, 2, 3, 1],
+    [4, 5, 7, 6],
+    [0, 1, 5, 4],
+    [2, 6, 7, 3],
+    [0, 4, 6, 2],
+    [1, 3, 7, 5],
+];
+
 /// Seeded random numbers: SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number
 /// generators", 2014).
 pub(crate) struct Rng(u64);

@@ -214,12 +214,9 @@ impl Cage {
     }
 
     fn check_colors(&self) -> Result<(), SceneError> {
-        let is_wrong = |c: &Color| !(c.is_finite() && c.min_element() >= 0.0 && math::max_abs(*c) <= 1e15);
         for (i, colors) in self.colors.iter().enumerate() {
-            if let Some(color) = colors.iter().find(|c| is_wrong(c)) {
-                return Err(SceneError::new(format!(
-                    "a color of face {i} must be finite numbers from 0 to 1e15, not {color}"
-                )));
+            for color in colors {
+                Mesh::check_color(*color, format_args!("a color of face {i}"))?;
             }
         }
         Ok(())

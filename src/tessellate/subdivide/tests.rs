@@ -1,22 +1,18 @@
 use super::{super::suite, *};
-use crate::Limits;
+use crate::{
+    Limits,
+    shape::suite::{CUBE_FACES, cube_corner},
+};
 
 fn made(cage: &Cage) -> Mesh {
     cage.mesh(&Allowance::of(&Limits::default())).unwrap()
 }
 
 fn cube() -> (Vec<DVec3>, Vec<Vec<u32>>) {
-    let corner =
-        |i: u32| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)) * 2.0 - DVec3::ONE;
-    let faces = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    ((0..8).map(corner).collect(), faces.map(|f| f.to_vec()).to_vec())
+    (
+        (0..8).map(cube_corner).collect(),
+        CUBE_FACES.map(|f| f.to_vec()).to_vec(),
+    )
 }
 
 fn octahedron() -> (Vec<DVec3>, Vec<Vec<u32>>) {

@@ -6,48 +6,15 @@ use crate::{
     Builder, DVec3, NoHost, RenderOptions, Scene,
     math::{self, Bounds3, DAffine3, DVec2, Ray, max_abs},
     render::{
-        render, sampler,
+        render,
         world::{Probe, World},
     },
     scene::{Camera, CsgOp, Mesh, Term, Texture},
     shape::{
         CrossingSink, Crossings, Cuboid, CustomShape, Cylinder, Disk, Plane, Shape, Sphere, Surface, Torus,
+        suite::{CUBE_FACES, Rng, cube_corner},
     },
 };
-
-struct Rng(u64);
-
-impl Rng {
-    fn unit(&mut self) -> f64 {
-        self.0 += 1;
-        (sampler::mix(self.0) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn within(&mut self, lo: f64, hi: f64) -> f64 {
-        lo + (hi - lo) * self.unit()
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.unit() * n as f64) as usize
-    }
-
-    fn vector(&mut self, range: f64) -> DVec3 {
-        DVec3::new(
-            self.within(-range, range),
-            self.within(-range, range),
-            self.within(-range, range),
-        )
-    }
-
-    fn direction(&mut self) -> DVec3 {
-        loop {
-            let v = self.vector(1.0);
-            if (0.01..=1.0).contains(&v.length_squared()) {
-                return v.normalize();
-            }
-        }
-    }
-}
 
 #[derive(Clone, Copy, Debug)]
 enum Leaf {
@@ -70,20 +37,9 @@ enum Tree {
 
 /// A box as a mesh whose faces are divided by diagonals.
 fn box_mesh(size: DVec3) -> Mesh {
-    let corner = |i: u32| {
-        let side = |bit: u32| if i >> bit & 1 == 1 { 0.5 } else { -0.5 };
-        DVec3::new(side(0), side(1), side(2)) * size
-    };
-    let quads = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
-    Mesh::new("box", (0..8).map(corner).collect(), triangles.collect()).unwrap()
+    let triangles = CUBE_FACES.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    let corners = (0..8).map(|i| cube_corner(i) * 0.5 * size);
+    Mesh::new("box", corners.collect(), triangles.collect()).unwrap()
 }
 
 impl Leaf {
@@ -190,7 +146,7 @@ fn placing(rng: &mut Rng, on_grid: bool) -> DAffine3 {
     }
     let turn = math::rotation(rng.direction(), rng.within(0.0, 360.0));
     let stretch = DVec3::new(rng.within(0.4, 1.6), rng.within(0.4, 1.6), rng.within(-1.6, -0.4));
-    let m = DAffine3::from_mat3_translation(turn, rng.vector(1.2));
+    let m = DAffine3::from_mat3_translation(turn, rng.in_cube() * 1.2);
     if rng.below(2) == 0 {
         m
     } else {
@@ -290,14 +246,14 @@ fn check(tree: &Tree, world: &World<'_>, ray: &Ray) -> usize {
 
 #[test]
 fn spans_are_where_the_points_inside_are() {
-    let mut rng = Rng(1);
+    let mut rng = Rng::new(1);
     let mut met = 0;
     for _ in 0..400 {
         let tree = tree(&mut rng, 3, false);
         let scene = tree.scene(false);
         let world = World::compile(&scene).unwrap();
         for _ in 0..40 {
-            let ray = Ray::new(rng.vector(5.0), rng.direction());
+            let ray = Ray::new(rng.in_cube() * 5.0, rng.direction());
             met += check(&tree, &world, &ray);
         }
     }
@@ -306,7 +262,7 @@ fn spans_are_where_the_points_inside_are() {
 
 #[test]
 fn faces_that_coincide_leave_neither_films_nor_walls() {
-    let mut rng = Rng(77);
+    let mut rng = Rng::new(77);
     let mut met = 0;
     for _ in 0..400 {
         let tree = tree(&mut rng, 3, true);
@@ -316,7 +272,7 @@ fn faces_that_coincide_leave_neither_films_nor_walls() {
             // Along the axes between the steps, where faces are met head on, and anywhere.
             let axis = [DVec3::X, DVec3::Y, DVec3::Z][i % 3];
             let dir = if i % 2 == 0 { axis } else { rng.direction() };
-            let ray = Ray::new(rng.vector(1.5) - dir * 7.0, dir);
+            let ray = Ray::new((rng.in_cube() * 1.5) - dir * 7.0, dir);
             met += check(&tree, &world, &ray);
             let found = crossings(&world, &ray);
             let thin = found.windows(2).find(|pair| pair[1].0 - pair[0].0 < 1e-9);
@@ -383,10 +339,10 @@ fn a_mesh_that_is_placed_several_times_is_a_part_as_any_other() {
         b.finish().value
     });
     let [meshes, cuboids] = scenes.each_ref().map(|scene| World::compile(scene).unwrap());
-    let (mut rng, mut met) = (Rng(9), 0);
+    let (mut rng, mut met) = (Rng::new(9), 0);
     for _ in 0..3_000 {
         let dir = rng.direction();
-        let ray = Ray::new(rng.vector(0.6) - dir * 3.0, dir);
+        let ray = Ray::new((rng.in_cube() * 0.6) - dir * 3.0, dir);
         let [a, b] = [&meshes, &cuboids].map(|world| crossings(world, &ray));
         assert_eq!(a.len(), b.len(), "{a:?} {b:?} {ray:?}");
         for (a, b) in a.iter().zip(&b) {
@@ -420,14 +376,14 @@ fn solids_nest_as_deep_as_groups_do() {
 
 #[test]
 fn light_through_glass_is_what_comes_from_surface_to_surface() {
-    let mut rng = Rng(5);
+    let mut rng = Rng::new(5);
     let mut tinted = 0;
     for _ in 0..300 {
         let tree = tree(&mut rng, 3, false);
         let scene = tree.scene(true);
         let world = World::compile(&scene).unwrap();
         for _ in 0..20 {
-            let ray = Ray::new(rng.vector(5.0), rng.direction());
+            let ray = Ray::new(rng.in_cube() * 5.0, rng.direction());
             let probe = Probe::from_space(ray);
             for t_max in [1.0, 4.0, f64::INFINITY] {
                 let long = world.share_by_steps(probe, t_max);
