@@ -15,6 +15,7 @@ mod calls;
 mod files;
 mod limits;
 mod models;
+mod nesting;
 mod pictures;
 mod signatures;
 

@@ -110,7 +110,7 @@ pub fn unanswered(scene: &Scene) -> Option<Diagnostic> {
 }
 
 /// The thing with its line, for a sentence: `the sphere of line 3`.
-fn called(scene: &Scene, object: &Object) -> String {
+pub(super) fn called(scene: &Scene, object: &Object) -> String {
     let what = match &object.geometry {
         Geometry::Triangle(_) => "triangle",
         other => other.name(),
@@ -126,7 +126,7 @@ fn called(scene: &Scene, object: &Object) -> String {
 }
 
 /// Puts a diagnostic where something was made.
-fn placed(scene: &Scene, diagnostic: Diagnostic, loc: SourceLoc) -> Diagnostic {
+pub(super) fn placed(scene: &Scene, diagnostic: Diagnostic, loc: SourceLoc) -> Diagnostic {
     match scene.files.get(usize::from(loc.file)) {
         Some(file) if loc.line > 0 => diagnostic.at(file, loc.line, u32::from(loc.column)),
         _ => diagnostic,

@@ -5,7 +5,12 @@ use std::{borrow::Cow, collections::HashMap};
 use rayon::prelude::*;
 
 use super::{
-    super::{around::Around, interrupt::Interrupt, lighting::Lamp},
+    super::{
+        around::Around,
+        inspect::{called, placed},
+        interrupt::Interrupt,
+        lighting::Lamp,
+    },
     World,
     csg::Solid,
     fields,
@@ -25,8 +30,10 @@ use crate::{
     shape::Shape,
 };
 
-/// Levels inside levels; each takes a frame of the traversal's stack.
-const MAX_NESTING: usize = 64;
+/// Levels inside levels. Each takes a search's frames of the tracing thread's stack, which without optimisation are
+/// 42 kB with the plainest instructions: so many need less than 1.5 MiB with all that calls them, and a thread that
+/// nobody has asked more for has 2.
+const MAX_NESTING: usize = 32;
 /// Primitive numbers stay below this, so that sums of two never overflow.
 const MAX_NUMBERS: u64 = 1 << 62;
 /// Most triangles that may be cut in two, for each that there is. On architecture a tenth brings nearly all that a
@@ -238,12 +245,33 @@ impl<'s> Compiler<'s, '_> {
                 }
             }
         }
-        if depth > MAX_NESTING {
-            return Err(limit(format!(
-                "instances and solids are nested {depth} deep, at most {MAX_NESTING} can be rendered"
-            )));
+        match depth > MAX_NESTING {
+            true => Err(self.nested_too_deep(&level, group)),
+            false => self.finish(level, depth),
         }
-        self.finish(level, depth)
+    }
+
+    /// What is said of the first object of a group whose levels are too many.
+    #[cold]
+    fn nested_too_deep(&self, level: &Level<'_>, group: &Group) -> Error {
+        let is_too_deep = |instance: &&Instance| {
+            let below = self.depths.get(instance.level as usize);
+            below.is_some_and(|below| *below >= MAX_NESTING)
+        };
+        let deepest = level.instances.iter().find(is_too_deep);
+        let object = deepest.and_then(|instance| group.objects.get(instance.object as usize));
+        let what = object.map_or("this".to_owned(), |object| called(self.scene, object));
+        let message = format!(
+            "instances and solids are nested more than {MAX_NESTING} levels deep: {what} is one level too many"
+        );
+        let d = Diagnostic::error(ErrorKind::Limit, message).hint(
+            "a function that makes the shapes nests nothing: call it where instance() stands, or put more into each level",
+        );
+        match object {
+            Some(object) => placed(self.scene, d, object.loc),
+            None => d,
+        }
+        .into()
     }
 
     /// Makes room for what the objects will need, so that nothing grows by doubling.

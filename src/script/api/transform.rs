@@ -91,7 +91,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndefine \"snowman\" {\n  diffuse(0.9, 0.9, 0.95);\n  sphere(0, 0.5, 0, 0.5);\n  sphere(0, 1.2, 0, 0.33);\n  diffuse(0.9, 0.4, 0.1);\n  sphere(0, 1.2, 0.35, 0.08);\n}\nfor i in -1..2 {\n  group { translate(i * 1.5, -0.8, 0); instance(\"snowman\"); }\n}"),
     Entry::scene(Group::Transform, "instance", instance)
         .takes(&[&[string("name", "as given to define")]])
-        .doc("Places a defined group under the current matrix, any number of times, also inside another define. Geometry and acceleration structure are shared.")
+        .doc("Places a defined group under the current matrix, any number of times, also inside another define, up to 32 levels deep. Geometry and acceleration structure are shared.")
         .usage("instance(\"car\")")
         .example("background(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndefine \"tree\" {\n  diffuse(0.15, 0.5, 0.2);\n  cone(0.4, 1.2);\n}\nfor x in -3..4 {\n  group { translate(x * 0.75, -0.2 * abs(x), 0); instance(\"tree\"); }\n}")
         .also(&["use", "place", "copy"]),

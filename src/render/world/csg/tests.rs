@@ -365,13 +365,13 @@ fn solids_nest_as_deep_as_groups_do() {
         b.finish().value
     };
     let ray = Ray::new(DVec3::new(0.0, 0.0, 5.0), DVec3::NEG_Z);
-    let deep = nested(60);
+    let deep = nested(32);
     assert_eq!(
         World::compile(&deep).unwrap().nearest_t(&ray, 9.0),
         Some((4.0, 0))
     );
-    let error = World::compile(&nested(70)).unwrap_err().to_string();
-    assert!(error.contains("deep, at most 64"), "{error}");
+    let error = World::compile(&nested(33)).unwrap_err().to_string();
+    assert!(error.contains("more than 32 levels deep"), "{error}");
 }
 
 #[test]

@@ -116,17 +116,17 @@ fn instances_that_multiply_without_end_can_be_stopped() {
     b.size(16, 16).unwrap();
     b.directional(DVec3::Z, DVec3::ONE).unwrap();
     b.material_mut().transmission = Term::color(DVec3::splat(0.5));
-    for level in 0..60 {
+    for level in 0..31 {
         let mark = b.begin_define(&format!("level {level}")).unwrap();
         if level == 0 {
             b.shape(Shape::Cuboid(Cuboid::new(DVec3::ONE).unwrap())).unwrap();
         } else {
             // In one place, so that no box leaves any of them out.
-            (0..2).for_each(|_| b.instance(&format!("level {}", level - 1)).unwrap());
+            (0..4).for_each(|_| b.instance(&format!("level {}", level - 1)).unwrap());
         }
         b.end_define(mark, true);
     }
-    b.instance("level 59").unwrap();
+    b.instance("level 30").unwrap();
     let options = RenderOptions {
         render_time: Some(Duration::from_millis(30)),
         ..RenderOptions::default()
