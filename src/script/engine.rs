@@ -24,6 +24,7 @@ use super::{
     cells,
     clock::Clock,
     language::Language,
+    link::Flags,
     modules::Resolver,
     power,
     session::{self, with_state},
@@ -284,7 +285,12 @@ pub(super) fn may_share(ast: &AST) -> bool {
 }
 
 /// An engine that runs this script on the session of the current thread.
-pub(super) fn runner(limits: &Limits, language: &Language, ast: &AST) -> Result<Engine, Box<ScriptError>> {
+pub(super) fn runner(
+    limits: &Limits,
+    language: &Language,
+    ast: &AST,
+    flags: Arc<Flags>,
+) -> Result<Engine, Box<ScriptError>> {
     let mut engine = compiler(limits, language)?;
     if may_share(ast) {
         #[allow(
@@ -294,7 +300,7 @@ pub(super) fn runner(limits: &Limits, language: &Language, ast: &AST) -> Result<
         engine.on_var(cells::on_variable);
     }
     engine.set_module_resolver(Resolver);
-    engine.on_progress(steps::watch(limits));
+    engine.on_progress(steps::watch(limits, flags));
     engine.on_print(session::print);
     engine.on_debug(|text, source, pos| {
         let (line, column) = (pos.line().unwrap_or(0), pos.position().unwrap_or(0));

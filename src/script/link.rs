@@ -57,24 +57,41 @@ pub(super) enum Request {
     },
 }
 
+/// What the caller's thread tells the script's without being asked.
+#[derive(Debug, Default)]
+pub(super) struct Flags {
+    /// The run is to end.
+    pub(super) stop: AtomicBool,
+    /// Some milliseconds have passed: a step of the script may have taken long, so that its time is looked at now.
+    pub(super) look: AtomicBool,
+}
+
 /// The host, as the script sees it.
 #[derive(Clone)]
 pub(crate) enum Remote {
     /// The caller waits on another thread.
     Thread {
         requests: SyncSender<Request>,
-        stop: Arc<AtomicBool>,
+        flags: Arc<Flags>,
     },
     /// The caller is [`CALLER`] of this thread.
     Here,
 }
 
 impl Remote {
-    /// The end of a script that runs on another thread, which ends when `stop` is set, and the caller's end.
+    /// The end of a script that runs on another thread, which does what the flags say, and the caller's end.
     /// Few requests may wait, so that a flood of prints cannot fill the memory.
-    pub(super) fn pair(stop: Arc<AtomicBool>) -> (Self, Receiver<Request>) {
+    pub(super) fn pair(flags: Arc<Flags>) -> (Self, Receiver<Request>) {
         let (requests, incoming) = sync_channel(64);
-        (Self::Thread { requests, stop }, incoming)
+        (Self::Thread { requests, flags }, incoming)
+    }
+
+    /// What the caller tells meanwhile: nothing where it waits below the script.
+    pub(super) fn flags(&self) -> Arc<Flags> {
+        match self {
+            Self::Thread { flags, .. } => Arc::clone(flags),
+            Self::Here => Arc::default(),
+        }
     }
 
     /// Hands a request to the caller; `None` where nobody listens any more.
@@ -132,7 +149,7 @@ impl Host for Remote {
 
     fn should_stop(&self) -> bool {
         match self {
-            Self::Thread { stop, .. } => stop.load(Ordering::Relaxed),
+            Self::Thread { flags, .. } => flags.stop.load(Ordering::Relaxed),
             Self::Here => CALLER.is_set() && CALLER.with(|caller| caller.host.should_stop()),
         }
     }
@@ -155,11 +172,12 @@ pub(super) struct Caller<'c> {
 
 impl Caller<'_> {
     /// Answers the requests of a script on another thread until that ends.
-    pub(super) fn serve(&self, incoming: &Receiver<Request>, stop: &AtomicBool) {
+    pub(super) fn serve(&self, incoming: &Receiver<Request>, flags: &Flags) {
         loop {
             if self.host.should_stop() {
-                stop.store(true, Ordering::Relaxed);
+                flags.stop.store(true, Ordering::Relaxed);
             }
+            flags.look.store(true, Ordering::Relaxed);
             match incoming.recv_timeout(POLL) {
                 Ok(request) => self.answer(request),
                 Err(RecvTimeoutError::Timeout) => {}
@@ -203,11 +221,12 @@ impl Caller<'_> {
 }
 
 /// Stops the script when the caller's thread leaves, also by a panic of the host.
-pub(super) struct StopOnDrop(pub(super) Arc<AtomicBool>);
+pub(super) struct StopOnDrop(pub(super) Arc<Flags>);
 
 impl Drop for StopOnDrop {
     fn drop(&mut self) {
-        self.0.store(true, Ordering::Relaxed);
+        self.0.stop.store(true, Ordering::Relaxed);
+        self.0.look.store(true, Ordering::Relaxed);
     }
 }
 

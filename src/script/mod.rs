@@ -44,7 +44,7 @@ use std::{
     any::Any,
     borrow::Cow,
     panic::{AssertUnwindSafe, catch_unwind},
-    sync::{Arc, atomic::AtomicBool},
+    sync::Arc,
     thread,
 };
 
@@ -56,7 +56,7 @@ use crate::{
     limits::Limits,
     scene::{Crop, GroupId, Scene},
 };
-use link::{Caller, Remote, StopOnDrop};
+use link::{Caller, Flags, Remote, StopOnDrop};
 use session::{Running, Source, State, Watch};
 use value::ScriptError;
 
@@ -245,10 +245,10 @@ impl Script {
         options: &RunOptions,
         watch: Option<Watch>,
     ) -> Result<Report<Run>, Error> {
-        let stop: Arc<AtomicBool> = Arc::default();
-        let (remote, incoming) = Remote::pair(Arc::clone(&stop));
+        let flags: Arc<Flags> = Arc::default();
+        let (remote, incoming) = Remote::pair(Arc::clone(&flags));
         thread::scope(|scope| {
-            let guard = StopOnDrop(Arc::clone(&stop));
+            let guard = StopOnDrop(Arc::clone(&flags));
             let script = thread::Builder::new()
                 .name("rtscript script".to_owned())
                 .stack_size(stack_bytes(&self.limits))
@@ -256,7 +256,7 @@ impl Script {
                     catch_unwind(AssertUnwindSafe(|| self.evaluate(remote, options, watch)))
                 })
                 .map_err(|e| internal(self.name(), &format!("cannot start the script's thread: {e}")))?;
-            caller.serve(&incoming, &stop);
+            caller.serve(&incoming, &flags);
             drop((guard, incoming));
             match script.join() {
                 Ok(Ok(result)) => result,
@@ -272,6 +272,7 @@ impl Script {
         options: &RunOptions,
         watch: Option<Watch>,
     ) -> Result<Report<Run>, Error> {
+        let flags = remote.flags();
         let mut state = State::new(self.source.clone(), &self.limits, options, remote, watch);
         state.language = self.language.clone();
         if let Err(e) = preset(&mut state) {
@@ -284,7 +285,7 @@ impl Script {
             Error::from(Diagnostic::error(ErrorKind::Denied, what).at(self.name(), 0, 0))
         })?;
         let _held = cells::Held::new();
-        let engine = engine::runner(&self.limits, &self.language, &self.ast)
+        let engine = engine::runner(&self.limits, &self.language, &self.ast, flags)
             .map_err(|e| internal(self.name(), &e.message))?;
         let mut scope = Scope::new();
         let result = engine.run_ast_with_scope(&mut scope, &self.ast);

@@ -1,12 +1,16 @@
 //! The steps of a running script: every few of them, a look at its limits, the time and the wish to stop.
 
-use std::cell::Cell;
+use std::{
+    cell::Cell,
+    sync::{Arc, atomic::Ordering::Relaxed},
+};
 
 use rhai::{Dynamic, Position};
 
 use super::{
     cells,
-    session::{limit, with_state},
+    link::Flags,
+    session::{State, limit, with_state},
     value::ScriptError,
 };
 use crate::{diag::ErrorKind, host::Host, limits::Limits, meter};
@@ -41,11 +45,16 @@ thread_local! {
 }
 
 /// A watch that tells the engine when to end the run of the current thread: too many steps, the deadline, the
-/// host's wish, a used-up budget. What ends a run once ends it for good, also where Rhai passes over an error, as
+/// host's wish, a used-up budget. Every few hundred steps it looks at all of them; at the time and the wish also where
+/// the caller's thread says that milliseconds have passed meanwhile, for a step may be the call of a function that takes
+/// as long. What ends a run once ends it for good, also where Rhai passes over an error, as
 /// it does in the comparisons of a sort.
 ///
 /// Steps are counted here: Rhai forgets those of closures that its own functions call.
-pub(super) fn watch(limits: &Limits) -> impl Fn(u64) -> Option<Dynamic> + Send + Sync + 'static {
+pub(super) fn watch(
+    limits: &Limits,
+    flags: Arc<Flags>,
+) -> impl Fn(u64) -> Option<Dynamic> + Send + Sync + 'static {
     let limits = limits.clone();
     STEPS.with(|steps| {
         steps.plan(0, limits.operations);
@@ -58,11 +67,47 @@ pub(super) fn watch(limits: &Limits) -> impl Fn(u64) -> Option<Dynamic> + Send +
             steps.left.set(left);
             left > 0 && meter::held() <= steps.most_held.get()
         });
-        if goes_on {
-            return None;
+        if !goes_on {
+            return look(&limits);
         }
-        look(&limits)
+        if flags.look.load(Relaxed) {
+            flags.look.store(false, Relaxed);
+            return look_at_the_time();
+        }
+        None
     }
+}
+
+/// Whether the run is to end for its time or the host's wish. The steps until the next look at the budgets stay what
+/// they are: where a script is told of those must not depend on how fast it runs.
+#[cold]
+fn look_at_the_time() -> Option<Dynamic> {
+    let ended = with_state(|state| {
+        state.ended = state.ended.take().or_else(|| out_of_time(state));
+        state.ended.clone()
+    });
+    let ended = ended.flatten()?;
+    look_at_each_step();
+    Some(Dynamic::from(*ended))
+}
+
+/// The error of a run that its host stops, or that has taken too long.
+fn out_of_time(state: &State) -> Option<Box<ScriptError>> {
+    if state.host.should_stop() {
+        Some(ScriptError::of_kind(ErrorKind::Cancelled, "the run was stopped"))
+    } else if state.time_left().is_zero() {
+        Some(state.too_long())
+    } else {
+        None
+    }
+}
+
+/// Makes every further step a look, which counts the same steps as the next one would have.
+fn look_at_each_step() {
+    STEPS.with(|steps| {
+        steps.until.set(steps.until.get() - steps.left.get());
+        steps.left.set(0);
+    });
 }
 
 /// Whether the run is to end.
@@ -74,10 +119,8 @@ fn look(limits: &Limits) -> Option<Dynamic> {
             state.ended = if taken > limits.operations {
                 let value = limits.operations;
                 Some(limit("the script takes too many steps", "operations", value))
-            } else if state.host.should_stop() {
-                Some(ScriptError::of_kind(ErrorKind::Cancelled, "the run was stopped"))
-            } else if state.time_left().is_zero() {
-                Some(state.too_long())
+            } else if let Some(ended) = out_of_time(state) {
+                Some(ended)
             } else if holds_too_much() {
                 let value = limits.script_memory;
                 Some(limit(
@@ -121,11 +164,7 @@ pub(super) fn end_by_string(most: usize, at: Position) {
         state.ended.get_or_insert_with(ended);
     });
     if first.is_some() {
-        STEPS.with(|steps| {
-            // What the next look counts is the same as before.
-            steps.until.set(steps.until.get() - steps.left.get());
-            steps.left.set(0);
-        });
+        look_at_each_step();
     }
 }
 

@@ -65,6 +65,14 @@ impl<'a> Allowance<'a> {
         Ok(())
     }
 
+    /// As [`Allowance::check_stop`], at every so manieth step of many.
+    pub(crate) fn check_stop_at(&self, step: usize) -> Result<(), SceneError> {
+        match step.is_multiple_of(STEPS_PER_QUESTION) {
+            true => self.check_stop(),
+            false => Ok(()),
+        }
+    }
+
     /// An error where somebody wants the work to end.
     pub(crate) fn check_stop(&self) -> Result<(), SceneError> {
         if self.stop.is_some_and(|stop| stop()) {

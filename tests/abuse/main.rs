@@ -14,6 +14,7 @@ mod attacks;
 mod calls;
 mod files;
 mod limits;
+mod long_calls;
 mod models;
 mod nesting;
 mod pictures;

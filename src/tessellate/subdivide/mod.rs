@@ -112,7 +112,7 @@ impl Cage {
                 .map(|([a, b], sharpness)| ((*a.min(b), *a.max(b)), *sharpness))
                 .collect(),
         };
-        let mut topology = net.topology()?;
+        let mut topology = net.topology(allowance)?;
         if let Some(((a, b), _)) = net
             .creases
             .iter()
@@ -125,12 +125,12 @@ impl Cage {
         for _ in 0..self.levels {
             allowance.check_stop()?;
             net = net.divided(&topology, is_loop, allowance)?;
-            topology = net.topology()?;
+            topology = net.topology(allowance)?;
         }
         if self.to_the_limit && self.levels > 0 {
-            net.positions = net.limit(&topology, is_loop);
+            net.positions = net.limit(&topology, is_loop, allowance)?;
         }
-        net.mesh(&topology)
+        net.mesh(&topology, allowance)
     }
 
     fn check(&self) -> Result<bool, SceneError> {

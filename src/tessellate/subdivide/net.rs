@@ -7,7 +7,7 @@ use crate::{
     color::Color,
     math::{self, DVec2, DVec3, PI},
     scene::{Attribute, Mesh, SceneError},
-    tessellate::{Allowance, allowance::STEPS_PER_QUESTION},
+    tessellate::Allowance,
 };
 
 /// An edge by its ends, the smaller first.
@@ -44,10 +44,11 @@ fn corners_of(face: &[u32]) -> impl Iterator<Item = (u32, u32)> {
 }
 
 impl Net {
-    pub(super) fn topology(&self) -> Result<Topology, SceneError> {
+    pub(super) fn topology(&self, allowance: &Allowance<'_>) -> Result<Topology, SceneError> {
         let mut directed: BTreeMap<(u32, u32), u32> = BTreeMap::new();
         let mut faces = vec![Vec::new(); self.positions.len()];
         for (id, face) in (0..).zip(&self.faces) {
+            allowance.check_stop_at(id as usize)?;
             for (a, b) in corners_of(face) {
                 if let Some(other) = directed.insert((a, b), id) {
                     return Err(SceneError::new(format!(
@@ -62,7 +63,8 @@ impl Net {
         }
         let mut edges: BTreeMap<Edge, [u32; 2]> = BTreeMap::new();
         let mut neighbors = vec![Vec::new(); self.positions.len()];
-        for (&(a, b), &face) in &directed {
+        for (i, (&(a, b), &face)) in directed.iter().enumerate() {
+            allowance.check_stop_at(i)?;
             let opposite = directed.get(&(b, a)).copied().unwrap_or(NO_FACE);
             if edges.insert(edge(a, b), [face, opposite]).is_none() {
                 for (from, to) in [(a, b), (b, a)] {
@@ -194,17 +196,13 @@ impl Net {
     ) -> Result<Self, SceneError> {
         let mut positions = Vec::new();
         for corner in 0..self.positions.len() as u32 {
-            if (corner as usize).is_multiple_of(STEPS_PER_QUESTION) {
-                allowance.check_stop()?;
-            }
+            allowance.check_stop_at(corner as usize)?;
             positions.push(self.moved(topology, corner, is_loop));
         }
         let mut middles = BTreeMap::new();
         let mut creases = BTreeMap::new();
         for (i, (&edge_here, &faces)) in topology.edges.iter().enumerate() {
-            if i.is_multiple_of(STEPS_PER_QUESTION) {
-                allowance.check_stop()?;
-            }
+            allowance.check_stop_at(i)?;
             let id = positions.len() as u32;
             positions.push(self.middle(topology, edge_here, faces, is_loop));
             middles.insert(edge_here, id);
@@ -218,9 +216,7 @@ impl Net {
         let middle = |a: u32, b: u32| middles.get(&edge(a, b)).copied().unwrap_or(a);
         let mut faces = Vec::new();
         for (i, face) in self.faces.iter().enumerate() {
-            if i.is_multiple_of(STEPS_PER_QUESTION) {
-                allowance.check_stop()?;
-            }
+            allowance.check_stop_at(i)?;
             if let ([a, b, c], true) = (face.as_slice(), is_loop) {
                 let (ab, bc, ca) = (middle(*a, *b), middle(*b, *c), middle(*c, *a));
                 faces.extend([
@@ -255,7 +251,12 @@ impl Net {
     }
 
     /// Where endless division would bring the corners.
-    pub(super) fn limit(&self, topology: &Topology, is_loop: bool) -> Vec<DVec3> {
+    pub(super) fn limit(
+        &self,
+        topology: &Topology,
+        is_loop: bool,
+        allowance: &Allowance<'_>,
+    ) -> Result<Vec<DVec3>, SceneError> {
         let at_limit = |corner: u32| {
             let p = self.at(corner);
             let (sharp, _) = self.sharp_at(topology, corner);
@@ -291,16 +292,23 @@ impl Net {
                 .sum();
             (p * (n * n) + sum * 4.0 + across) / (n * (n + 5.0))
         };
-        (0..self.positions.len() as u32).map(at_limit).collect()
+        let corners = 0..self.positions.len() as u32;
+        corners
+            .map(|corner| {
+                allowance.check_stop_at(corner as usize)?;
+                Ok(at_limit(corner))
+            })
+            .collect()
     }
 
     /// Triangles, with a normal for each corner and each side of the creases at it: the mean of the faces there by their
     /// angles.
-    pub(super) fn mesh(&self, topology: &Topology) -> Result<Mesh, SceneError> {
+    pub(super) fn mesh(&self, topology: &Topology, allowance: &Allowance<'_>) -> Result<Mesh, SceneError> {
         let mut normals = Vec::new();
         // For each face and each of its corners the number of its normal.
         let mut ids: Vec<Vec<u32>> = self.faces.iter().map(|face| vec![u32::MAX; face.len()]).collect();
         for corner in 0..self.positions.len() as u32 {
+            allowance.check_stop_at(corner as usize)?;
             let faces = topology.faces.get(corner as usize).map_or(&[][..], |list| list);
             for sector in self.sectors(topology, corner, faces) {
                 let sum: DVec3 = sector.iter().map(|face| self.angle_weighted(*face, corner)).sum();
@@ -318,6 +326,7 @@ impl Net {
         let (mut triangles, mut corners) = (Vec::new(), Vec::new());
         let (mut uvs, mut colors) = (AtCorners::new(&self.uvs), AtCorners::new(&self.colors));
         for (i, (face, ids)) in self.faces.iter().zip(&ids).enumerate() {
+            allowance.check_stop_at(i)?;
             let points: Vec<DVec3> = face.iter().map(|corner| self.at(*corner)).collect();
             for t in crate::shape::triangulate(&points) {
                 triangles.push(t.map(|i| face.get(i).copied().unwrap_or(0)));

@@ -1,0 +1,84 @@
+//! Calls over the largest values that strangers may make, one after the other without end: a script ends soon after its
+//! time, for it looks at the clock between any two steps once milliseconds have passed, and in whatever takes longer.
+
+use std::time::{Duration, Instant};
+
+use rtscript::{Limits, diag::ErrorKind};
+
+use crate::{Quiet, run};
+
+/// What a script may take; less than making the largest values of all takes a debug build.
+const TIME: Duration = Duration::from_millis(400);
+/// How much later it may end. The longest of these calls takes 10 milliseconds with optimisation, 80 without.
+const LATE: Duration = Duration::from_millis(500);
+
+/// What a call works on, and the call.
+const CALLS: &[(&str, &str)] = &[
+    (TWO_LONG, "a.index_of(v)"),
+    (TWO_LONG, "a.contains(v)"),
+    (TWO_LONG, "v in a"),
+    (TWO_LONG, "a == v"),
+    (TWO_LONG, "a.dedup(); a.pad(9900, 1)"),
+    (TWO_LONG, "a.reverse()"),
+    (TWO_LONG, "a.splice(10, 9800, v.extract(5, 9800))"),
+    (MIXED, "let b = a; b.sort()"),
+    (MIXED, "let b = a; b.sort_desc()"),
+    (MIXED, "let b = a; b.sort(less)"),
+    (MIXED, "a.reduce(gather)"),
+    (MIXED, "zip(a.extract(0, 3000), a)"),
+    (MIXED, "a.to_string()"),
+    (MIXED, "flatten([a])"),
+    (LONG_TEXT, "let t = s; t.replace(\"a\", \"b\")"),
+    (LONG_TEXT, "s.index_of(\"aaaaaaaaaaaaaaab\")"),
+    (LONG_TEXT, "s[-1] = 'b'"),
+    (LONG_TEXT, "s.to_upper()"),
+    (LONG_TEXT, "textSize(s)"),
+    (SPACES, "s.split(\"\")"),
+    (SPACES, "s.to_chars()"),
+    (WIDE_MAP, "let n = m; n.mixin(m); n == m"),
+    (WIDE_MAP, "m.to_json()"),
+    ("", "linspace(0, 1, 9999)"),
+    (COMB, "polygon(a)"),
+    (COMB, "curve(a, 0.01, #{ kind: \"linear\" })"),
+    (
+        "",
+        "subdivide(#{ positions: [[-1, -1, 0], [1, -1, 0], [1, 1, 1], [-1, 1, 0]], faces: [[0, 1, 2, 3]] }, 8)",
+    ),
+    (BUBBLES, "isosurface(f)"),
+];
+
+const TWO_LONG: &str = "let a = []; a.pad(9900, 1); let v = []; v.pad(9900, 2);";
+const MIXED: &str = "fn less(x, y) { x - y }
+    fn gather(list, x) { if type_of(list) == \"()\" { list = []; } list.push(x); list }
+    let a = []; for i in 0..9000 { a.push(i * 7919 % 9001); }";
+const LONG_TEXT: &str = "let s = \"a\"; s.pad(60000, \"a\");";
+const SPACES: &str = "let s = \" \"; s.pad(9000, \" \");";
+const WIDE_MAP: &str = "let m = #{}; for i in 0..900 { m[`k${i}`] = i; }";
+const COMB: &str = "let a = [[2.4, -1, 0], [0, -1, 0]]; for i in 0..2400 { a.push([i * 0.001, i % 2, 0]); }";
+const BUBBLES: &str = "let f = sdfSphere(0.5); for i in 0..60 { f = f.smoothUnion(sdfSphere(0.5).moved(i * 0.01, 0, 0), 0.1); }";
+
+/// How long after its time a script ends that makes a call over and over.
+fn late(values: &str, call: &str) -> Duration {
+    let mut limits = Limits::untrusted();
+    limits.script_time = TIME;
+    limits.compile_time *= 10;
+    // Only time ends it.
+    (limits.operations, limits.primitives) = (u64::MAX, usize::MAX);
+    let start = Instant::now();
+    let error = run(&format!("{values}\nloop {{ {call}; }}"), &limits, &Quiet).unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Limit, "{call}: {error}");
+    assert!(
+        error.to_string().contains("the limit 'script_time'"),
+        "{call}: {error}"
+    );
+    start.elapsed().saturating_sub(TIME)
+}
+
+#[test]
+fn no_call_keeps_a_script_long_beyond_its_time() {
+    for (values, call) in CALLS {
+        // Other work on the machine may delay any one of them.
+        let least = (0..3).map(|_| late(values, call)).find(|late| *late < LATE);
+        assert!(least.is_some(), "{call} goes on for more than {LATE:?}");
+    }
+}
