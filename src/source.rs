@@ -59,7 +59,10 @@ pub fn text(name: &str, bytes: Vec<u8>, limits: &Limits) -> Result<String, Error
     if text.trim().is_empty() {
         return Err(Diagnostic::error(ErrorKind::Input, "the file is empty")
             .at(name, 1, 1)
-            .hint("a scene is a list of calls: light([5, 5, 5], [1, 1, 1]); diffuse([1, 0, 0]); sphere(0, 0, 0, 1);")
+            .hint(match SourceKind::from_name(name) {
+                SourceKind::Course => "a scene is a list of commands, one a line: camera 0 0 4 0 0 0 0 1 0 45, ambient 1 0 0, sphere 0 0 0 1",
+                SourceKind::Script => "a scene is a list of calls: light([5, 5, 5], [1, 1, 1]); diffuse([1, 0, 0]); sphere(0, 0, 0, 1);",
+            })
             .into());
     }
     Ok(text)

@@ -102,7 +102,12 @@ impl<'a> Command<'a> {
             given += 1;
         }
         if given != wanted {
-            return Err(wrong_count(source, surplus.unwrap_or(name), (name, usage), given));
+            let error = wrong_count(source, surplus.unwrap_or(name), (name, usage), given);
+            return Err(match (line.contains("//"), line.contains('#')) {
+                (true, _) => error.hint("comments begin with #"),
+                (_, true) if given < wanted => error.hint("what follows # is a comment"),
+                _ => error,
+            });
         }
         Ok(Some((name, Self::with_values(name, &mut values)?)))
     }
@@ -154,7 +159,23 @@ fn unknown(source: &Source<'_>, name: &str) -> Diagnostic {
         .error(name, format!("unknown command {}", quoted(name)))
         .class(Code::UnknownFunction);
     let names = COMMANDS.map(|(name, _)| name);
-    match nearest_names(name, names).first() {
+    // A call as scripts have them, and words that begin one of the commands.
+    let called = name
+        .split_once('(')
+        .and_then(|(called, _)| COMMANDS.iter().find(|(known, _)| *known == called));
+    if let Some((known, usage)) = called {
+        return error.hint(format!(
+            "values stand without brackets and commas: {known} {usage}"
+        ));
+    }
+    if name == "light" {
+        return error.hint("lights are point x y z r g b and directional x y z r g b");
+    }
+    let begun = names
+        .iter()
+        .copied()
+        .filter(|known| name.len() > 2 && known.starts_with(name));
+    match nearest_names(name, names).into_iter().chain(begun).next() {
         Some(near) => error.hint(format!("did you mean '{near}'?")),
         None => error.hint(format!("the commands are: {}", names.join(" "))),
     }
@@ -188,7 +209,7 @@ impl<'a> Values<'_, 'a> {
 
     fn read<T>(&mut self, read: impl Fn(&str) -> Result<T, String>) -> Result<T, Diagnostic> {
         let word = self.word();
-        read(word).map_err(|message| self.source.error(word, message).class(Code::ArgumentType))
+        read(word).map_err(|message| self.source.no_number(word, message).class(Code::ArgumentType))
     }
 
     fn number(&mut self) -> Result<f64, Diagnostic> {

@@ -170,7 +170,7 @@ impl<'a> Guard<'_, 'a> {
             .error(keyword, format!("unknown OBJ keyword {}", quoted(keyword)));
         let known = ["v", "vt", "vn", "f", "l", "p", "o", "g", "s", "usemtl", "mtllib"];
         match nearest_names(keyword, known).first() {
-            Some(near) if keyword.len() > 2 => error.hint(format!("did you mean '{near}'?")),
+            Some(near) if keyword.len() > 2 || near.eq_ignore_ascii_case(keyword) => error.hint(format!("did you mean '{near}'?")),
             _ => error.hint("is this a Wavefront OBJ file? its lines begin with v, vt, vn, f, o, g, s, usemtl, mtllib or #"),
         }
     }
@@ -378,7 +378,7 @@ impl<'a> Guard<'_, 'a> {
     }
 
     fn number(&self, word: &str) -> Result<f64, Diagnostic> {
-        number(word).map_err(|message| self.source.error(word, message))
+        number(word).map_err(|message| self.source.no_number(word, message))
     }
 
     fn wrong_count(&self, s: Statement<'_, 'a>, wanted: &str) -> Diagnostic {

@@ -132,7 +132,7 @@ fn wrong_count(source: &Source<'_>, s: Statement<'_, '_>, wanted: &str) -> Diagn
 }
 
 fn read(source: &Source<'_>, word: &str) -> Result<f64, Diagnostic> {
-    number(word).map_err(|message| source.error(word, message))
+    number(word).map_err(|message| source.no_number(word, message))
 }
 
 /// Three numbers, or one for all three.

@@ -25,6 +25,15 @@ impl<'a> Source<'a> {
         self.place(Diagnostic::error(self.kind, message), part)
     }
 
+    /// An error at a word that should have been a number.
+    pub(super) fn no_number(&self, word: &str, message: impl Into<String>) -> Diagnostic {
+        let error = self.error(word, message);
+        match instead_of(word) {
+            Some(hint) => error.hint(hint),
+            None => error,
+        }
+    }
+
     /// Gives a diagnostic the place of `part`, which must be a slice of the text.
     pub(super) fn place(&self, diagnostic: Diagnostic, part: &str) -> Diagnostic {
         let (line, column, text) = self.find(part);
@@ -115,6 +124,24 @@ pub(super) fn number(word: &str) -> Result<f64, String> {
         Ok(x) if x.abs() <= 1e15 => Ok(x),
         Ok(_) => Err(format!("expected a number within 1e15, found {}", quoted(word))),
         Err(_) => Err(format!("expected a number, found {}", quoted(word))),
+    }
+}
+
+/// What is to be done about a word that should have been a number, where it is told by its signs.
+fn instead_of(word: &str) -> Option<&'static str> {
+    let digits = |part: &str| part.chars().any(|c| c.is_ascii_digit());
+    if let Some(rest) = word.strip_suffix(';') {
+        return digits(rest).then_some("a line ends without a ';'");
+    }
+    if word.contains(['(', ')', '[', ']', '<', '>']) {
+        return digits(word).then_some("values stand without brackets around them");
+    }
+    match word.split_once(',') {
+        Some((_, "")) => Some("values are separated by blanks, without commas"),
+        Some((_, rest)) if digits(rest) => {
+            Some("values are separated by blanks, and fractions are written with a point: 1.5")
+        }
+        _ => None,
     }
 }
 

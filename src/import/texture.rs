@@ -174,6 +174,7 @@ fn damaged(name: &str, format: ImageFormat, why: &str) -> Diagnostic {
     let format = if format == ImageFormat::Png { "PNG" } else { "JPEG" };
     let why: String = why.chars().filter(|c| !c.is_control()).take(120).collect();
     input(format!("'{name}' is a damaged {format} picture: {why}"))
+        .hint("fetch it anew, or save it again with another program")
 }
 
 /// What a decoder says, without that it is an error of the format, without the insides of its types, and written as our
@@ -186,6 +187,19 @@ fn in_our_words(why: &str) -> String {
     let why = why.trim_matches('"');
     if why.contains("Not enough bytes") {
         return "unexpected end of file".to_owned();
+    }
+    // What only those know who know the format, or the decoder.
+    if why.contains("CRC error") {
+        return "a checksum is wrong".to_owned();
+    }
+    if why.contains("deflate stream") {
+        return "its packed data is wrong".to_owned();
+    }
+    if why.contains("color/depth combination") {
+        return "its kind of color cannot have that many bits".to_owned();
+    }
+    if why.contains("can only parse 8-bit images") {
+        return "it has more than 8 bits for each color".to_owned();
     }
     let why = why.replace(". Reason:", ": ").replace("stream. ", "stream: ");
     let mut rest = why.as_str();

@@ -14,6 +14,7 @@ use std::time::Duration;
 
 use scoped_tls_hkt::scoped_thread_local;
 
+use super::session::Clock;
 use crate::{
     diag::{Error, ErrorKind, Report},
     host::{Host, HostError},
@@ -173,11 +174,17 @@ pub(super) struct Caller<'c> {
 impl Caller<'_> {
     /// Answers the requests of a script on another thread until that ends.
     pub(super) fn serve(&self, incoming: &Receiver<Request>, flags: &Flags) {
+        let clock = Clock::start();
+        let mut looked = Duration::ZERO;
         loop {
             if self.host.should_stop() {
                 flags.stop.store(true, Ordering::Relaxed);
             }
-            flags.look.store(true, Ordering::Relaxed);
+            // Requests may come all the time.
+            if clock.elapsed() >= looked + POLL {
+                looked = clock.elapsed();
+                flags.look.store(true, Ordering::Relaxed);
+            }
             match incoming.recv_timeout(POLL) {
                 Ok(request) => self.answer(request),
                 Err(RecvTimeoutError::Timeout) => {}

@@ -10,9 +10,10 @@ use rhai::{AST, Engine, Position, Token};
 use super::{
     call::{arguments, kind_name, wrong_count},
     engine,
+    errors::habits,
     language::Language,
     session::Source,
-    table::{Run, entries, entry},
+    table::{Entry, Run, entries, entry},
     vocabulary::CONSTANTS,
 };
 use crate::{
@@ -112,7 +113,13 @@ impl<'l> Names<'l> {
                     kinds => format!("{name} cannot be called with {}", list(kinds)),
                 },
             );
-            return d;
+            return match (name, kinds.len()) {
+                ("range", 1) => d.hint("a range is written 0..5, and runs from 0 to 4"),
+                ("append", 2) => {
+                    d.hint("array.push(value) adds one value, array.append(array) all of another")
+                }
+                _ => d,
+            };
         }
         self.no_such_function(name)
     }
@@ -284,6 +291,9 @@ pub(super) fn unknown_variable(name: &str, pos: Position, text: &str) -> Diagnos
             "the name of a define is a string: define \"{name}\" {{ ... }}"
         ));
     }
+    if let Some(here) = habits::named(name, pos, text) {
+        return d.hint(here);
+    }
     if let Some((_, code)) = COLORS.iter().find(|(color, _)| *color == name.to_lowercase()) {
         return d.hint(format!("a color is written as its code: \"{code}\""));
     }
@@ -300,6 +310,16 @@ pub(super) fn unknown_variable(name: &str, pos: Position, text: &str) -> Diagnos
         .iter()
         .map(String::as_str)
         .chain(CONSTANTS.iter().map(|c| c.name));
+    if let Some(here) = habits::word(name).filter(|_| !declared.all.contains(name)) {
+        return d.hint(here);
+    }
+    let folded = name.to_lowercase();
+    let foreign = |e: &&Entry| e.also.iter().any(|also| also.to_lowercase() == folded);
+    if line_before(text, pos).trim().is_empty()
+        && let Some(entry) = entries().find(foreign)
+    {
+        return d.hint(format!("did you mean the function {}?", entry.usage));
+    }
     // Any two words of a letter or two are near one another.
     let long = name.chars().count() > 2;
     let known = known.filter(|n| *n != name && (long || n.eq_ignore_ascii_case(name)));
@@ -329,10 +349,17 @@ pub(super) fn line_before(text: &str, pos: Position) -> &str {
     &line[..end]
 }
 
+/// The text of the line from `pos` on, without blanks before it.
+pub(super) fn line_after(text: &str, pos: Position) -> &str {
+    let line = text.lines().nth(pos.line().unwrap_or(1) - 1).unwrap_or("");
+    line.get(line_before(text, pos).len()..)
+        .unwrap_or("")
+        .trim_start()
+}
+
 /// The word that begins at `pos`.
 pub(super) fn word_at(text: &str, pos: Position) -> &str {
-    let line = text.lines().nth(pos.line().unwrap_or(1) - 1).unwrap_or("");
-    let rest = &line[line_before(text, pos).len()..];
+    let rest = line_after(text, pos);
     let end = rest
         .find(|c: char| !c.is_alphanumeric() && c != '_')
         .unwrap_or(rest.len());

@@ -105,10 +105,10 @@ impl Polygon {
             .fold((0, 0.0), |worst, p| if p.1 > worst.1 { p } else { worst });
         if off.1 > FLATNESS {
             return Err(SceneError::new(format!(
-                "the polygon is not flat: points[{}] is off its plane by {:.3e}, \
+                "the polygon is not flat: points[{}] is off its plane by {}, \
                  more than {FLATNESS} of its extent of {extent}",
                 name(off.0),
-                off.1 * extent
+                four_digits(off.1 * extent)
             ))
             .hint("split it into triangles: tri(a, b, c), or mesh(#{ positions: ..., indices: ... })"));
         }
@@ -247,6 +247,17 @@ fn plane_axes(normal: DVec3) -> [DVec3; 2] {
         (DVec3::X - normal * normal.x).normalize()
     };
     [right, normal.cross(right)]
+}
+
+/// A number to four digits, without an exponent where it is of a size to be read.
+fn four_digits(x: f64) -> String {
+    match x {
+        x if (1e-3..1e4).contains(&x) => format!("{x:.4}")
+            .trim_end_matches('0')
+            .trim_end_matches('.')
+            .to_owned(),
+        x => format!("{x:.3e}"),
+    }
 }
 
 #[cfg(test)]

@@ -10,6 +10,8 @@
 //! Kensler, Knoll and Parker, "Ray tracing animated scenes using coherent grid traversal", 2006, for the pyramid.)
 
 mod leaves;
+#[cfg(test)]
+mod tests;
 mod traverse;
 mod wide;
 

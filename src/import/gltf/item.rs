@@ -273,11 +273,11 @@ impl<'p, 'a> Item<'p, 'a> {
             return Ok(i);
         }
         let there_are = match count {
-            0 => format!("there are no {}", kind.list),
-            1 => format!("the only one of {} is 0", kind.list),
-            n => format!("there are {n} {}, numbered from 0", kind.list),
+            0 => format!("{} has none", kind.list),
+            1 => format!("{} has one, numbered 0", kind.list),
+            n => format!("{} has {n}, numbered from 0", kind.list),
         };
-        Err(self.error(format!("{} {i} is none: {there_are}", kind.one)))
+        Err(self.error(format!("there is no {} {i}: {there_are}", kind.one)))
     }
 
     /// Three numbers of at most `most`, or what counts where they are not there.

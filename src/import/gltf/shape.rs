@@ -318,7 +318,7 @@ impl<'a, 's, 'h> Triangles<'a, 's, 'h> {
         let error = |way: &str, what: &str, values: &[f64], wanted: &str| {
             let values: Vec<String> = values.iter().map(ToString::to_string).collect();
             let message = format!(
-                "{way}: {what} {} of vertex {i}; expected {wanted}",
+                "{way}: {what} of vertex {i} is {}; expected {wanted}",
                 values.join(", ")
             );
             number.place(Diagnostic::error(ErrorKind::Input, message))
@@ -328,12 +328,7 @@ impl<'a, 's, 'h> Triangles<'a, 's, 'h> {
             .transform_point3(DVec3::from_array(positions.element(i)));
         if !(p.abs().max_element() <= 1e15 && p.is_finite()) {
             let (way, p) = (number.to_string(), p.to_array());
-            return Err(error(
-                &way,
-                "where vertex",
-                &p,
-                "a place within 1e15 of the origin",
-            ));
+            return Err(error(&way, "the place", &p, "a place within 1e15 of the origin"));
         }
         let lists = &mut self.checked;
         lists.positions.push(p);

@@ -22,7 +22,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .doc("The picture's size in pixels. Default: 640 x 480. Where the command is given --size, that counts instead.")
         .usage("size(640, 480)")
         .example("size(240, 80);\nbackground(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ndiffuse(0.8, 0.25, 0.15);\nfor x in -3..4 { sphere(x * 1.7, 0, 0, 0.75); }")
-        .also(&["resolution", "imageSize", "canvas"]),
+        .also(&["resolution", "imageSize", "canvas", "createCanvas"]),
     Entry::scene(Group::Camera, "samples", samples)
         .takes(&[&[int("n", "rays per pixel", "1 is one ray through the center; more are jittered in strata")]])
         .doc("Rays per pixel: more of them make edges and soft shadows smooth, and take as much longer. Default: 1. Where the command is given --samples, that counts instead.")

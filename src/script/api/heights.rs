@@ -160,7 +160,8 @@ fn of_function(
                 Some(height) => {
                     return Err(call
                         .error(format!(
-                            "f must give a finite number, but f({x}, {z}) is {height}"
+                            "f must give a finite number, but f({x}, {z}) is {}",
+                            if height.is_nan() { "NaN" } else { "infinite" }
                         ))
                         .into());
                 }
@@ -207,8 +208,9 @@ fn of_rows(call: &Call<'_, '_>, rows: &Array) -> Outcome<Heights> {
         let wanted = *columns.get_or_insert(row.len());
         if row.len() != wanted {
             return Err(call.error(format!(
-                "heights[{i}] has {} numbers, but the rows before have {wanted}",
-                row.len()
+                "heights[{i}] has {} number{}, but the rows before have {wanted}",
+                row.len(),
+                if row.len() == 1 { "" } else { "s" }
             )));
         }
         for (j, d) in row.iter().enumerate() {

@@ -28,7 +28,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .doc("A point light under the current matrix. Without attenuation() it does not fade with distance.")
         .usage("light([5, 5, 5], [1, 1, 1])")
         .example("background(\"#cfe3f5\");\ncamera([0, 2.5, 6], [0, 0.7, 0], [0, 1, 0], 36);\nambient(0.08, 0.08, 0.1);\ndiffuse(0.8, 0.8, 0.75);\nplane();\nlight([3, 4, 2], [0.8, 0.8, 0.8]);\ndiffuse(0.8, 0.25, 0.15);\nsphere(0, 1, 0, 1);")
-        .also(&["pointLight", "lamp"]),
+        .also(&["pointLight", "lamp", "light_source"]),
     Entry::scene(Group::Lights, "point", point)
         .takes(&[POINT])
         .doc("The same as light(position, color), under the name the CSE167 course gives it.")

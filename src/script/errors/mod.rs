@@ -1,5 +1,6 @@
 //! From Rhai's errors to diagnostics: our words, the place, the calls that led there, and what to do.
 
+pub(super) mod habits;
 mod runtime;
 mod syntax;
 

@@ -67,7 +67,7 @@ pub(super) fn message(error: &EvalAltResult, pos: Position, text: &str, context:
             Code::Syntax,
             "this is only known inside a function called on a value: value.f()",
         ),
-        E::ErrorArithmetic(message, _) => script(Code::Arithmetic, uncapitalized(message)),
+        E::ErrorArithmetic(message, _) => arithmetic(message),
         E::ErrorRuntime(value, _) => script(Code::Thrown, thrown_text(value)),
         E::ErrorTooManyVariables(_) => limit("too many variables", "variables", limits.variables),
         E::ErrorTooManyModules(_) => limit("too many files are imported", "modules", limits.modules),
@@ -135,6 +135,22 @@ pub(super) fn too_large(what: &str, limits: &Limits) -> Diagnostic {
     }
 }
 
+/// Rhai's "Addition overflow: 9223372036854775807 + 1" and the like.
+fn arithmetic(message: &str) -> Diagnostic {
+    let said = uncapitalized(message);
+    let Some((what, sum)) = said.split_once(": ") else {
+        return script(Code::Arithmetic, said);
+    };
+    if what.contains("division by zero") && sum.ends_with(" 0") {
+        return script(Code::Arithmetic, format!("division by zero: {sum}"));
+    }
+    if what.ends_with("overflow") {
+        return script(Code::Arithmetic, format!("{sum} is beyond the whole numbers"))
+            .hint("a number with a point, such as 2.0, may be as large as 1e308");
+    }
+    script(Code::Arithmetic, said)
+}
+
 fn out_of_bounds(what: &str, part: &str, len: usize, index: i64) -> Diagnostic {
     let d = script(
         Code::IndexRange,
@@ -187,6 +203,9 @@ fn unknown_property(message: &str) -> Diagnostic {
     match kind.as_str() {
         "a vector" => d.hint("a vector has .x .y .z"),
         "an image" => d.hint("an image has .width and .height, and .pixel(x, y)"),
+        "an array" | "a string" if ["length", "size", "count"].contains(name) => {
+            d.hint("how many there are is told by .len()")
+        }
         "an array" if *name == "x" || *name == "y" || *name == "z" => {
             d.hint("an array has [0] [1] [2]; vec3(x, y, z) has .x .y .z")
         }

@@ -2,7 +2,7 @@
 
 use rhai::{LexError, ParseErrorType, Position};
 
-use super::{Context, limit, runtime::too_large, script, uncapitalized};
+use super::{Context, habits, limit, runtime::too_large, script, uncapitalized};
 use crate::{
     diag::{Code, Diagnostic, ErrorKind},
     scene::CsgOp,
@@ -29,19 +29,48 @@ pub(super) fn message(
         P::VariableUndefined(name) => names::unknown_variable(name, pos, text),
         P::ModuleUndefined(name) => script(Code::UnknownModule, format!("no module is imported as {name}"))
             .hint(format!("import \"{name}\" as {name};")),
-        P::VariableExpected if names::line_before(text, pos).trim_end().ends_with("for (") => {
-            script(Code::Syntax, "for takes a name and what it runs through")
-                .hint("for i in 0..5 { ... } counts from 0 to 4")
+        P::VariableExpected if names::line_before(text, pos).trim_end().ends_with("for (") => of_for(),
+        P::VariableExpected => {
+            let word = names::word_at(text, pos);
+            let d = script(Code::Syntax, "expected the name of a variable");
+            match word.chars().next() {
+                Some(c) if c.is_ascii_digit() => d.hint("a name begins with a letter"),
+                Some(_) => d.hint(format!("'{word}' is a reserved word: choose another name")),
+                None => d,
+            }
+        }
+        P::ExprExpected(what) if what == "a literal" || what == "literal" => {
+            script(Code::Syntax, "expected a value written out, such as 1 or \"a\"")
+                .hint("switch x { 1 => box(), 2 | 3 => disk(), _ => () }")
         }
         P::MissingToken(token, why) if token == "," && why.contains("this array") => {
             script(Code::Syntax, "expected ',' or ']' after an item of this array")
         }
-        P::MissingToken(token, why) => missing_token(token, why, names::line_before(text, pos)),
+        P::MissingToken(_, why) if why.contains("iteration variable") => of_for(),
+        P::MissingToken(token, why) => missing_token(token, why, pos, text),
         P::Reserved(word) if word == "#" => {
-            script(Code::Syntax, "'#' begins nothing").hint("comments begin with //")
+            let d = script(Code::Syntax, "'#' begins nothing");
+            match names::line_after(text, pos).strip_prefix('#') {
+                Some(rest) if rest.starts_with(char::is_alphabetic) => {
+                    d.hint("let R = 2; declares a variable, fn ball(r) { ... } a function")
+                }
+                _ => d.hint("comments begin with //"),
+            }
         }
         P::Reserved(word) if rhai::is_valid_identifier(word) => {
-            script(Code::ReservedWord, format!("'{word}' is a reserved word")).hint("choose another name")
+            let d = script(Code::ReservedWord, format!("'{word}' is a reserved word"));
+            let declares = ["let", "const", "fn", "for", "as"];
+            let before = names::line_before(text, pos);
+            match habits::word(word) {
+                _ if declares.iter().any(|word| before.trim_end().ends_with(word)) => {
+                    d.hint("choose another name")
+                }
+                Some(here) => d.hint(here),
+                None if names::BUILTINS.contains(word.as_str()) => {
+                    d.hint(format!("{word} is a function, which is called: {word}(...)"))
+                }
+                None => d.hint("choose another name"),
+            }
         }
         P::Reserved(symbol) => script(Code::Syntax, format!("'{symbol}' has no meaning here")),
         P::PropertyExpected => match names::word_at(text, pos) {
@@ -88,11 +117,12 @@ pub(super) fn message(
             )
         }
         P::MismatchedType(wanted, given) => {
-            let d = script(Code::ArgumentType, format!("expected {wanted}, not {given}"));
+            let wrong = |what: &str| script(Code::ArgumentType, format!("expected {what}, not {given}"));
             match wanted.as_str() {
-                "an iterable value" => d.hint("a range 0..10 runs from 0 to 9"),
-                "a boolean expression" => d.hint("compare: x != 0"),
-                _ => d,
+                "an iterable value" => wrong("a range, an array or a string to run through")
+                    .hint("a range 0..10 runs from 0 to 9"),
+                "a boolean expression" => wrong("a condition, true or false").hint("compare: x != 0"),
+                wanted => wrong(wanted),
             }
         }
         P::WrongDocComment => {
@@ -137,9 +167,15 @@ fn not_available(word: &str) -> Diagnostic {
     )
 }
 
-/// `before` is the line up to the place where `token` should stand.
-fn missing_token(token: &str, why: &str, before: &str) -> Diagnostic {
-    let why = why.trim();
+/// A loop whose head is that of another language.
+fn of_for() -> Diagnostic {
+    script(Code::Syntax, "for takes a name and what it runs through")
+        .hint("for i in 0..5 { ... } counts from 0 to 4")
+}
+
+/// `pos` is the place where `token` should stand.
+fn missing_token(token: &str, why: &str, pos: Position, text: &str) -> Diagnostic {
+    let (why, before) = (why.trim(), names::line_before(text, pos));
     if let (",", Some(function)) = (
         token,
         why.strip_prefix("to separate the arguments to function call "),
@@ -158,6 +194,10 @@ fn missing_token(token: &str, why: &str, before: &str) -> Diagnostic {
         code,
         match why {
             "" => format!("expected '{token}'"),
+            _ if why.contains("in this expression") => {
+                format!("expected '{token}' at the end of these brackets")
+            }
+            _ if why.contains("object map literal") => format!("expected '{token}' after a key of this map"),
             _ => format!("expected '{token}' {why}"),
         },
     );
@@ -169,7 +209,13 @@ fn missing_token(token: &str, why: &str, before: &str) -> Diagnostic {
             "{op} {{ ... }} holds a block of statements, which make what it is put together from"
         )),
         "{" => d.hint("a block stands in braces: for i in 0..5 { ... }"),
-        ";" => d.hint("is a ';' missing before this, or are the brackets of a call?"),
+        ";" => d.hint(habits::instead_of_an_end(pos, text)),
+        "in" => d.hint("for i in 0..5 { ... } counts from 0 to 4"),
+        ")" if why.contains("in this expression") => d.hint("a list or a vector is written [1, 2, 3]"),
+        "," if why.contains("parameters") => match habits::in_parameters(pos, text) {
+            Some(here) => d.hint(here),
+            None => d,
+        },
         _ => d,
     }
 }
@@ -184,7 +230,20 @@ fn lex_message(error: &LexError) -> Diagnostic {
     match error {
         LexError::Runtime(message) => Diagnostic::error(ErrorKind::Limit, message),
         LexError::ImproperSymbol(symbol, _) if symbol == "eval" || symbol == "curry" => not_available(symbol),
+        LexError::ImproperSymbol(symbol, why) if why.contains("This is not") => {
+            let d = script(Code::Syntax, format!("{} has no meaning here", quoted(symbol)));
+            let mut instead = why.split('\'').rev();
+            match instead.nth(1).filter(|_| why.contains("Should it be")) {
+                Some(instead) => d.hint(format!("write {instead}")),
+                None => d,
+            }
+        }
         LexError::ImproperSymbol(_, why) if !why.is_empty() => script(Code::Syntax, uncapitalized(why)),
+        LexError::MalformedChar(text) => script(
+            Code::Syntax,
+            format!("single quotes hold one character, not {}", quoted(text)),
+        )
+        .hint("a string stands in double quotes: \"abc\""),
         LexError::UnterminatedString => script(Code::Unclosed, "the string is not closed")
             .hint("a string over several lines stands in backticks: `...`"),
         LexError::UnexpectedInput(what) => {
@@ -193,7 +252,10 @@ fn lex_message(error: &LexError) -> Diagnostic {
                 "#" => d.hint("comments begin with //"),
                 "}" => d.hint("no '{' before it is left to be closed"),
                 "." => d.hint("a number begins with a digit: 0.5"),
-                _ => d,
+                what => match habits::character(what) {
+                    Some(here) => d.hint(here),
+                    None => d,
+                },
             }
         }
         LexError::MalformedEscapeSequence(what) => {

@@ -186,8 +186,11 @@ impl Curve {
         }
         if self.radii.len() != count {
             return Err(SceneError::new(format!(
-                "there are {} radii for {count} points; expected one for each",
-                self.radii.len()
+                "there {} for {count} points; expected one for each",
+                match self.radii.len() {
+                    1 => "is 1 radius".to_owned(),
+                    n => format!("are {n} radii"),
+                }
             )));
         }
         if let Some((i, r)) = self

@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, fmt, sync::Arc};
 
 use ttf_parser::{
-    Face, GlyphId, Tag,
+    Face, FaceParsingError, GlyphId, Tag,
     gpos::{PairAdjustment, PositioningSubtable},
     head::IndexToLocationFormat,
     opentype_layout::LayoutTable,
@@ -60,8 +60,11 @@ impl Font {
     /// Where the bytes are no font, or a font with other outlines.
     pub fn read(bytes: &[u8]) -> Result<Self, SceneError> {
         let face = Face::parse(bytes, 0).map_err(|error| {
-            SceneError::new(format!("it is no font that can be read: {error}"))
-                .hint("fonts are TrueType files, which end in .ttf, .otf or .ttc")
+            SceneError::new(match error {
+                FaceParsingError::UnknownMagic => "it is no font that can be read".to_owned(),
+                error => format!("the font is damaged: {error}"),
+            })
+            .hint("fonts are TrueType files, which end in .ttf, .otf or .ttc")
         })?;
         if face.tables().glyf.is_none() && charstrings(&face).is_none() {
             return Err(SceneError::new(

@@ -1,0 +1,240 @@
+//! Packets through whole trees, few and small enough for Miri, which sees every unchecked access of the walk.
+
+use super::{
+    super::{BLOCK, Box32, Bvh, Cuboids, Kinds, NONE, Primitive, Spheres, Triangles, cases},
+    DONE, Decide, PACKET, Place, RayPacket, Search, rays,
+};
+use crate::{
+    math::{Bounds3, DAffine3, DVec3, Ray, max_abs},
+    shape::{Sphere, triangle::TriangleRay},
+};
+
+/// What stands in the tree: triangles first, then spheres, then boxes and what is neither, which is spheres again.
+struct Things {
+    triangles: Vec<[DVec3; 3]>,
+    spheres: Vec<(DVec3, f64)>,
+    boxes: Vec<Bounds3>,
+    others: Vec<(DVec3, f64)>,
+}
+
+impl Things {
+    fn at_random(n: usize, next: &mut impl FnMut() -> f64) -> Self {
+        let mut place = || DVec3::new(next(), next(), next()) * 4.0 - 2.0;
+        let mut near = |k: f64| (place(), place() * k, place() * k);
+        Self {
+            triangles: (0..n)
+                .map(|_| near(0.5))
+                .map(|(a, b, c)| [a, a + b, a + c])
+                .collect(),
+            spheres: (0..n).map(|_| near(0.0).0).map(|p| (p, 0.3)).collect(),
+            boxes: (0..n)
+                .map(|_| near(0.2))
+                .map(|(a, b, c)| Bounds3::around([a, a + b, a + c]))
+                .collect(),
+            others: (0..n).map(|_| near(0.0).0).map(|p| (p, 0.2)).collect(),
+        }
+    }
+
+    fn firsts(&self) -> [usize; 3] {
+        let boxes = self.triangles.len() + self.spheres.len();
+        [self.triangles.len(), boxes, boxes + self.boxes.len()]
+    }
+
+    fn count(&self) -> usize {
+        self.firsts()[2] + self.others.len()
+    }
+
+    fn bounds(&self, index: usize) -> Bounds3 {
+        let [spheres, boxes, others] = self.firsts();
+        let around = |(center, radius): (DVec3, f64)| Bounds3::new(center - radius, center + radius);
+        match index {
+            i if i < spheres => Bounds3::around(self.triangles[i]),
+            i if i < boxes => around(self.spheres[i - spheres]),
+            i if i < others => self.boxes[i - boxes],
+            i => around(self.others[i - others]),
+        }
+    }
+
+    /// Where a ray first meets one of them ahead.
+    fn hit(&self, index: usize, ray: &Ray) -> Option<f64> {
+        let [spheres, boxes, others] = self.firsts();
+        let ahead = |roots: Option<(f64, f64)>| {
+            let (a, b) = roots?;
+            Some(if a > 0.0 { a } else { b }).filter(|t| *t > 0.0)
+        };
+        let of_sphere = |(center, radius): (DVec3, f64)| ahead(Sphere::roots(center, radius, ray));
+        match index {
+            i if i < spheres => {
+                let hit = TriangleRay::new(ray).intersect(self.triangles[i].each_ref());
+                hit.map(|hit| hit.t).filter(|t| *t > 0.0)
+            }
+            i if i < boxes => of_sphere(self.spheres[i - spheres]),
+            i if i < others => {
+                let Bounds3 { min, max } = self.boxes[i - boxes];
+                let (a, b) = ((min - ray.origin) / ray.dir, (max - ray.origin) / ray.dir);
+                let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
+                ahead((enter <= leave).then_some((enter, leave)))
+            }
+            i => of_sphere(self.others[i - others]),
+        }
+    }
+}
+
+/// Decides every question by the things themselves.
+struct Exact<'a, const ANY: bool> {
+    things: &'a Things,
+    rays: &'a [Ray],
+    best: Vec<f64>,
+}
+
+impl<const ANY: bool> Exact<'_, ANY> {
+    fn ask(&mut self, ray: usize, index: u32) -> f32 {
+        if let Some(t) = self.things.hit(index as usize, &self.rays[ray]) {
+            self.best[ray] = self.best[ray].min(t);
+        }
+        match ANY && self.best[ray] < f64::INFINITY {
+            true => DONE,
+            false => self.best[ray] as f32 * (1.0 + 2.0 * f32::EPSILON),
+        }
+    }
+}
+
+impl<const ANY: bool> Decide for Exact<'_, ANY> {
+    fn begin(&mut self, _: &mut RayPacket) {}
+
+    fn triangles(&mut self, ray: usize, ids: &[u32]) -> f32 {
+        ids.iter()
+            .map(|id| self.ask(ray, *id))
+            .fold(f32::INFINITY, f32::min)
+    }
+
+    fn last(&mut self, pairs: &[(u8, u32)], packet: &mut RayPacket) {
+        for (ray, id) in pairs {
+            let bound = self.ask(usize::from(*ray), *id);
+            packet.lower_bound(usize::from(*ray), bound);
+        }
+    }
+
+    fn sphere(&mut self, ray: usize, id: u32) -> f32 {
+        match id {
+            NONE => f32::INFINITY,
+            id => self.ask(ray, id),
+        }
+    }
+
+    fn other(&mut self, mask: u64, index: u32, packet: &mut RayPacket) {
+        for ray in rays(mask).filter(|ray| *ray < self.rays.len()) {
+            let bound = self.ask(ray, index);
+            packet.lower_bound(ray, bound);
+        }
+    }
+
+    fn ends(&self, _: u32) -> bool {
+        ANY
+    }
+}
+
+fn blocks<B: Copy>(leaves: &[[u32; BLOCK]], empty: B, set: impl Fn(&mut B, usize, u32)) -> Vec<B> {
+    let block = |ids: &[u32; BLOCK]| {
+        let mut block = empty;
+        for (lane, id) in ids.iter().enumerate().filter(|(_, id)| **id != NONE) {
+            set(&mut block, lane, *id);
+        }
+        block
+    };
+    leaves.iter().map(block).collect()
+}
+
+/// Searches with a packet; whether the rays went together.
+fn search<const ANY: bool>(place: &Place<'_>, extent: f64, exact: &mut Exact<'_, ANY>) -> Option<u64> {
+    let mut packet = RayPacket::EMPTY;
+    let bounds = vec![f32::INFINITY; exact.rays.len()];
+    let search = Search {
+        extent,
+        t_min: 0.0,
+        skip: NONE,
+    };
+    let rays = exact.rays;
+    let together = packet.search::<ANY>(place, rays, &bounds, &search, exact);
+    together.then(|| packet.done())
+}
+
+#[test]
+fn packets_find_what_their_rays_hit() {
+    let mut next = super::super::random(3);
+    let mut hits = 0;
+    for round in 0..cases(200) {
+        // Enough for lists of triangles that overflow, and for a tree of several levels.
+        let things = Things::at_random([1, 9, cases(30)][round % 3], &mut next);
+        let [spheres, first_box, others] = things.firsts();
+        let primitive = |index: usize| {
+            let around = Box32::around(&things.bounds(index));
+            Primitive::new(index as u32, around, 1.0).with_cuboid((first_box..others).contains(&index))
+        };
+        let kinds = Kinds {
+            triangles: spheres,
+            spheres: first_box - spheres,
+        };
+        let corners = |index: u32| things.triangles[index as usize];
+        let primitives: Vec<Primitive> = (0..things.count()).map(primitive).collect();
+        let (bvh, leaves) = Bvh::build(primitives, kinds, 0.1, corners, || false);
+        let place = Place {
+            bvh: &bvh,
+            triangles: &blocks(&leaves.triangles, Triangles::EMPTY, |block, lane, id| {
+                block.set(lane, id, corners(id));
+            }),
+            spheres: &blocks(&leaves.spheres, Spheres::EMPTY, |block, lane, id| {
+                let (center, radius) = things.spheres[id as usize - spheres];
+                block.set(lane, id, center, radius);
+            }),
+            cuboids: &blocks(&leaves.cuboids, Cuboids::EMPTY, |block, lane, id| {
+                let Bounds3 { min, max } = things.boxes[id as usize - first_box];
+                block.set(
+                    lane,
+                    id,
+                    &DAffine3::from_translation((min + max) * -0.5),
+                    (max - min) * 0.5,
+                );
+            }),
+            cuboid_extent: things
+                .boxes
+                .iter()
+                .map(|b| max_abs(b.min).max(max_abs(b.max)))
+                .fold(0.0, f64::max) as f32,
+        };
+        let origin = DVec3::new(next(), next(), next()).normalize() * if round % 4 == 3 { 0.5 } else { 6.0 };
+        let towards = if round % 4 == 3 { origin } else { -origin };
+        let count = [5, 8, 37, PACKET][round / 3 % 4];
+        let rays: Vec<Ray> = (0..count)
+            .map(|_| Ray::new(origin, towards + DVec3::new(next(), next(), next()) * 0.6 - 0.3))
+            .collect();
+        let exact = |rays| {
+            (0..things.count())
+                .map(|i| things.hit(i, rays))
+                .collect::<Vec<_>>()
+        };
+        let nearest: Vec<f64> = rays
+            .iter()
+            .map(|ray| exact(ray).into_iter().flatten().fold(f64::INFINITY, f64::min))
+            .collect();
+        let best = vec![f64::INFINITY; count];
+        let (things, rays) = (&things, &rays[..]);
+        let extent = f64::from(bvh.extent());
+        let mut one = Exact::<false> {
+            things,
+            rays,
+            best: best.clone(),
+        };
+        if search(&place, extent, &mut one).is_none() {
+            continue;
+        }
+        assert_eq!(one.best, nearest, "round {round}");
+        let mut any = Exact::<true> { things, rays, best };
+        let done = search(&place, extent, &mut any).expect("the same rays went together");
+        for (i, t) in nearest.iter().enumerate() {
+            assert_eq!(done >> i & 1 == 1, *t < f64::INFINITY, "round {round}, ray {i}");
+            hits += usize::from(*t < f64::INFINITY);
+        }
+    }
+    assert!(hits > cases(1000) / 10, "{hits}");
+}
