@@ -3,6 +3,8 @@
 
 #![allow(unsafe_code)]
 
+#[cfg(test)]
+mod tests;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 

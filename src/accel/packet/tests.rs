@@ -1,8 +1,12 @@
-//! Packets through whole trees, few and small enough for Miri, which sees every unchecked access of the walk.
+//! Packets through whole trees, few and small enough for Miri, which sees every unchecked access of the walk, and each
+//! operation of their registers.
+
+#![allow(unsafe_code)]
 
 use super::{
     super::{BLOCK, Box32, Bvh, Cuboids, Kinds, NONE, Primitive, Spheres, Triangles, cases},
     DONE, Decide, PACKET, Place, RayPacket, Search, rays,
+    wide::{Plain, Wide},
 };
 use crate::{
     math::{Bounds3, DAffine3, DVec3, Ray, max_abs},
@@ -237,4 +241,69 @@ fn packets_find_what_their_rays_hit() {
         }
     }
     assert!(hits > cases(1000) / 10, "{hits}");
+}
+
+/// What comes of all operations on registers of rays, with numbers for which nothing is rounded: bits, for NaN and -0.
+fn operations<W: Wide>(w: W) -> (Vec<[u32; 8]>, [u64; 3], [f32; 3]) {
+    let from = [
+        [
+            1.0,
+            -2.0,
+            0.5,
+            0.0,
+            -0.0,
+            9.0,
+            f32::NAN,
+            1e30,
+            2.0,
+            -3.0,
+            0.25,
+            0.0,
+            1.0,
+            4.0,
+            1.0,
+            -1e30,
+        ],
+        [0.5; 16],
+        [-4.0; 16],
+    ];
+    let [a, half, four] = w.load3(&from, 0);
+    let b = w.load(&from[0], 1);
+    let mask = w.below(a, b);
+    let values = [
+        w.sub(b, half),
+        w.mul(b, four),
+        w.div(b, half),
+        w.mul_add(b, half, four),
+        w.add(half, four),
+        w.min(a, b),
+        w.max(a, b),
+        w.sign(b),
+        w.flip(a, b),
+        w.select(mask, half, four),
+        w.dot([half, half, four], w.splat3([2.0, 4.0, 1.0])),
+        w.broadcast3(&from, 9)[0],
+    ];
+    let stored = values.map(|value| {
+        let mut to = [0.0; 16];
+        w.store(value, &mut to, 1);
+        std::array::from_fn(|i| to[8 + i].to_bits())
+    });
+    let masks = [
+        w.bits(mask),
+        w.bits(w.and(mask, w.below(b, four))),
+        w.bits(w.below(b, a)),
+    ];
+    (stored.to_vec(), masks, [w.least(b), w.most(b), w.least(half)])
+}
+
+#[test]
+fn registers_of_rays_are_those_of_plain_arithmetic() {
+    let plain = operations(Plain);
+    assert_eq!((plain.1[0], plain.2), (0b0001_0001, [-1e30, 4.0, 0.5]));
+    #[cfg(target_arch = "x86_64")]
+    if super::super::Simd::detect() >= super::super::Simd::Avx2 {
+        // SAFETY: the processor has the instructions.
+        assert_eq!(operations(unsafe { super::wide::Avx2::assume() }), plain);
+    }
 }
