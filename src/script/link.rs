@@ -14,7 +14,7 @@ use std::time::Duration;
 
 use scoped_tls_hkt::scoped_thread_local;
 
-use super::session::Clock;
+use super::clock::Clock;
 use crate::{
     diag::{Error, ErrorKind, Report},
     host::{Host, HostError},
