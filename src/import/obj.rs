@@ -27,7 +27,7 @@ use crate::{
 ///
 /// Objects and groups become one mesh. Faces of more than three corners are cut into triangles, concave ones too.
 /// A face is smooth where all its corners have normals, whatever `s` says, and flat elsewhere; a normal of length
-/// zero is none. A face without `usemtl` looks as the object that places the mesh ([`MaterialId::INHERIT`]).
+/// zero is none. A face without `usemtl` looks as the object that places the mesh ([`MaterialId::INHERIT`](crate::scene::MaterialId::INHERIT)).
 /// The ambient term of an MTL material is its Ka, at most its Kd, times the current ambient color; so the same
 /// `Arc` comes back for the same path under the same ambient color.
 ///
