@@ -319,18 +319,16 @@ fn a_run_that_cannot_look_at_signals_is_ended_all_the_same() {
     wait_for(|| has_ended(&mut child));
     assert_eq!(child.wait().unwrap().code(), Some(130));
 
-    // The second signal ends it at once. On a machine so busy that it comes late, the first one has by then.
-    let ended_by_the_second = || {
-        let mut child = blocked(&["-q", "scene.rhai"]);
-        kill(&child, "-INT");
-        sleep(Duration::from_millis(50));
-        kill(&child, "-TERM");
-        wait_for(|| has_ended(&mut child));
-        let code = child.wait().unwrap().code();
-        assert!(matches!(code, Some(130 | 143)), "{code:?}");
-        code == Some(143)
-    };
-    assert!((0..10).any(|_| ended_by_the_second()));
+    let mut child = blocked(&["-q", "scene.rhai"]);
+    let asked = Instant::now();
+    kill(&child, "-INT");
+    sleep(Duration::from_millis(50));
+    kill(&child, "-TERM");
+    let in_time = asked.elapsed() < Duration::from_millis(250);
+    wait_for(|| has_ended(&mut child));
+    let code = child.wait().unwrap().code();
+    // A machine so busy that the second signal came late has ended it by the first.
+    assert!(code == Some(143) || !in_time && code == Some(130), "{code:?}");
     assert_eq!(folder.files(), ["scene.rhai"]);
 }
 
