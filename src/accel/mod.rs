@@ -24,7 +24,7 @@ pub use blocks::{BLOCK, Candidates, NONE, Range, Spheres, Triangles};
 pub use boxes::{Box32, Child, LeafKind, round_down, round_up};
 pub use build::{Bvh, Kinds, Leaves, Primitive};
 pub use cuboids::Cuboids;
-pub use lanes::{Lanes, Simd, Task, prefetch, run};
+pub use lanes::{Exact, Four, Lanes, Mask, Simd, Task, prefetch, run};
 pub use packet::{DONE, Decide, PACKET, Place, RayPacket, Search, rays};
 pub use ray::{Ray32, RayBlock, RayBox, RayCuboid, RaySphere};
 pub use shaft::Shaft;

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use super::{
     environment::Surround,
-    integrator::{Counts, Path},
+    integrator::Counts,
     lighting,
+    path::Path,
     world::{SurfacePoint, World},
 };
 use crate::{

@@ -4,6 +4,7 @@ use super::{
     interrupt::Interrupt,
     lighting::{self, Gloss},
     observe::{AtTheEnd, Observer, RayKind},
+    path::Path,
     polish::{self, Inside, Polished},
     sampler::Sampler,
     world::{Hit, Probe, SurfacePoint, World},
@@ -39,39 +40,6 @@ impl Counts {
     }
 }
 
-/// Where on a camera sample's tree of rays a point lies; keys its random numbers.
-pub(super) struct Path<'i> {
-    sampler: Sampler,
-    /// Points shaded before this one in the same sample.
-    vertex: u64,
-    /// Asked where one point may take long.
-    pub(super) interrupt: &'i Interrupt<'i>,
-}
-
-impl Path<'_> {
-    /// A random number in [0, 1) for the `cell`-th choice about light `light` at this point.
-    pub(super) fn random(&self, light: u64, cell: u64) -> f64 {
-        // Dimensions 0 and 1 are the pixel's jitter. A light has at most 2 * 256^2 choices.
-        self.sampler.get(2 + (self.vertex << 36 | light << 18 | cell))
-    }
-
-    /// As [`Path::random`] for the `cell`-th choice about where rays go on from this point.
-    pub(super) fn of_surface(&self, cell: u64) -> f64 {
-        self.random(SURFACE, cell)
-    }
-
-    /// As [`Path::of_surface`] for a choice that is one and the same for all points of a sample.
-    pub(super) fn of_sample(&self, cell: u64) -> f64 {
-        self.sampler.get(2 + (SURFACE << 18 | SAMPLE | cell))
-    }
-}
-
-/// No light has this number.
-const SURFACE: u64 = (1 << 18) - 1;
-
-/// Added to the numbers of choices that belong to a whole sample.
-const SAMPLE: u64 = 1 << 17;
-
 /// A ray still to be traced.
 #[derive(Clone, Copy, Debug)]
 struct Pending {
@@ -106,11 +74,7 @@ pub(super) fn radiance<O: Observer>(
     observer: &mut O,
 ) -> Color {
     let settings = &world.scene.settings;
-    let mut path = Path {
-        sampler,
-        vertex: 0,
-        interrupt,
-    };
+    let mut path = Path::new(sampler, interrupt);
     let mut sum = Color::ZERO;
     waiting.clear();
     // Changed in place, because it is too large to be moved for each ray.

@@ -17,6 +17,7 @@ mod layers;
 mod lighting;
 mod microfacet;
 mod observe;
+mod path;
 pub(crate) mod polish;
 mod sampler;
 mod shots;

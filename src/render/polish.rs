@@ -3,9 +3,10 @@
 
 use super::{
     bounces::compensation,
-    integrator::{Branch, LEAST_WEIGHT, Path, refract},
+    integrator::{Branch, LEAST_WEIGHT, refract},
     microfacet::{Ggx, frame, fresnel_dielectric, fresnel_metal, oren_nayar},
     observe::{Observer, RayKind},
+    path::Path,
     spectrum,
     world::{Hit, SurfacePoint, World},
 };

@@ -1,12 +1,15 @@
-//! Eight f32 at once, on whatever the processor offers. What is computed with them is conservative, so which of
-//! these runs never shows in a picture.
+//! Eight f32 or four f64 at once, on whatever the processor offers. What is computed with f32 is conservative, and with f64
+//! exact ([`quad`]), so which of these runs never shows in a picture.
 
 #![allow(unsafe_code)]
 
+mod quad;
 #[cfg(test)]
 mod tests;
 #[cfg(target_arch = "x86_64")]
 mod x86;
+
+pub use quad::{Exact, Four, Mask};
 
 use super::four::F4;
 
@@ -142,10 +145,10 @@ fn portable<T: Task>(task: T) -> T::Output {
     task.run(Portable)
 }
 
-/// Eight lanes of f32, and what four lanes can do besides their own.
+/// Eight lanes of f32, what four lanes can do besides their own, and four exact lanes of f64.
 ///
 /// A value of an implementing type is the proof that the processor has its instructions: only `Simd::run` makes one.
-pub trait Lanes: Copy {
+pub trait Lanes: Exact {
     /// Eight lanes.
     type F8: Copy;
     /// Eight numbers from memory.

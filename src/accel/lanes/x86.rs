@@ -6,7 +6,7 @@
 
 use std::arch::x86_64::*;
 
-use super::{F4, Lanes, Task};
+use super::{F4, Lanes, Task, quad::Exact};
 
 /// Two registers of four lanes.
 #[derive(Clone, Copy, Debug)]
@@ -164,5 +164,150 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn at_most(self, a: Self::F8, b: Self::F8) -> u32 {
         u32::from(unsafe { _mm256_cmp_ps_mask::<_CMP_LE_OQ>(a, b) })
+    }
+}
+
+/// Instructions for four f64 in a single register.
+macro_rules! one_register_of_f64 {
+    ($lanes:ty) => {
+        impl Exact for $lanes {
+            type D4 = __m256d;
+
+            #[inline(always)]
+            fn from_array(self, from: &[f64; 4]) -> Self::D4 {
+                unsafe { _mm256_loadu_pd(from.as_ptr()) }
+            }
+
+            #[inline(always)]
+            fn to_array(self, a: Self::D4) -> [f64; 4] {
+                let mut out = [0.0; 4];
+                unsafe { _mm256_storeu_pd(out.as_mut_ptr(), a) };
+                out
+            }
+
+            #[inline(always)]
+            fn add(self, a: Self::D4, b: Self::D4) -> Self::D4 {
+                unsafe { _mm256_add_pd(a, b) }
+            }
+
+            #[inline(always)]
+            fn sub(self, a: Self::D4, b: Self::D4) -> Self::D4 {
+                unsafe { _mm256_sub_pd(a, b) }
+            }
+
+            #[inline(always)]
+            fn mul(self, a: Self::D4, b: Self::D4) -> Self::D4 {
+                unsafe { _mm256_mul_pd(a, b) }
+            }
+
+            #[inline(always)]
+            fn div(self, a: Self::D4, b: Self::D4) -> Self::D4 {
+                unsafe { _mm256_div_pd(a, b) }
+            }
+
+            #[inline(always)]
+            fn sqrt(self, a: Self::D4) -> Self::D4 {
+                unsafe { _mm256_sqrt_pd(a) }
+            }
+
+            #[inline(always)]
+            fn below(self, a: Self::D4, b: Self::D4) -> Self::D4 {
+                unsafe { _mm256_cmp_pd::<_CMP_LT_OQ>(a, b) }
+            }
+
+            #[inline(always)]
+            fn differs(self, a: Self::D4, b: Self::D4) -> Self::D4 {
+                unsafe { _mm256_cmp_pd::<_CMP_NEQ_UQ>(a, b) }
+            }
+
+            #[inline(always)]
+            fn and(self, a: Self::D4, b: Self::D4) -> Self::D4 {
+                unsafe { _mm256_and_pd(a, b) }
+            }
+
+            #[inline(always)]
+            fn or(self, a: Self::D4, b: Self::D4) -> Self::D4 {
+                unsafe { _mm256_or_pd(a, b) }
+            }
+
+            #[inline(always)]
+            fn signs(self, a: Self::D4) -> u32 {
+                unsafe { _mm256_movemask_pd(a) as u32 }
+            }
+        }
+    };
+}
+
+one_register_of_f64!(Avx2);
+one_register_of_f64!(Avx512);
+
+impl Exact for Sse2 {
+    type D4 = [__m128d; 2];
+
+    #[inline(always)]
+    fn from_array(self, from: &[f64; 4]) -> Self::D4 {
+        let [low, high] = [&from[..2], &from[2..]];
+        unsafe { [_mm_loadu_pd(low.as_ptr()), _mm_loadu_pd(high.as_ptr())] }
+    }
+
+    #[inline(always)]
+    fn to_array(self, a: Self::D4) -> [f64; 4] {
+        let mut out = [0.0; 4];
+        unsafe {
+            _mm_storeu_pd(out[..2].as_mut_ptr(), a[0]);
+            _mm_storeu_pd(out[2..].as_mut_ptr(), a[1]);
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn add(self, a: Self::D4, b: Self::D4) -> Self::D4 {
+        unsafe { [_mm_add_pd(a[0], b[0]), _mm_add_pd(a[1], b[1])] }
+    }
+
+    #[inline(always)]
+    fn sub(self, a: Self::D4, b: Self::D4) -> Self::D4 {
+        unsafe { [_mm_sub_pd(a[0], b[0]), _mm_sub_pd(a[1], b[1])] }
+    }
+
+    #[inline(always)]
+    fn mul(self, a: Self::D4, b: Self::D4) -> Self::D4 {
+        unsafe { [_mm_mul_pd(a[0], b[0]), _mm_mul_pd(a[1], b[1])] }
+    }
+
+    #[inline(always)]
+    fn div(self, a: Self::D4, b: Self::D4) -> Self::D4 {
+        unsafe { [_mm_div_pd(a[0], b[0]), _mm_div_pd(a[1], b[1])] }
+    }
+
+    #[inline(always)]
+    fn sqrt(self, a: Self::D4) -> Self::D4 {
+        unsafe { [_mm_sqrt_pd(a[0]), _mm_sqrt_pd(a[1])] }
+    }
+
+    #[inline(always)]
+    fn below(self, a: Self::D4, b: Self::D4) -> Self::D4 {
+        unsafe { [_mm_cmplt_pd(a[0], b[0]), _mm_cmplt_pd(a[1], b[1])] }
+    }
+
+    #[inline(always)]
+    fn differs(self, a: Self::D4, b: Self::D4) -> Self::D4 {
+        unsafe { [_mm_cmpneq_pd(a[0], b[0]), _mm_cmpneq_pd(a[1], b[1])] }
+    }
+
+    #[inline(always)]
+    fn and(self, a: Self::D4, b: Self::D4) -> Self::D4 {
+        unsafe { [_mm_and_pd(a[0], b[0]), _mm_and_pd(a[1], b[1])] }
+    }
+
+    #[inline(always)]
+    fn or(self, a: Self::D4, b: Self::D4) -> Self::D4 {
+        unsafe { [_mm_or_pd(a[0], b[0]), _mm_or_pd(a[1], b[1])] }
+    }
+
+    #[inline(always)]
+    fn signs(self, a: Self::D4) -> u32 {
+        let [low, high] = [0, 1].map(|i| unsafe { _mm_movemask_pd(a[i]) as u32 });
+        low | high << 2
     }
 }

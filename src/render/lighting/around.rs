@@ -10,8 +10,9 @@ use crate::{
     math::{self, DVec3, PI, Ray},
     render::{
         environment::Surround,
-        integrator::{Counts, Path},
+        integrator::Counts,
         observe::Observer,
+        path::Path,
         polish::{Unfollowed, highlight_without_mirror},
         sampler::stratified,
         world::{Probe, SurfacePoint, World},

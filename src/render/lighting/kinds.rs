@@ -9,11 +9,7 @@ use super::{
 use crate::{
     color::Color,
     math::{self, DVec2, DVec3},
-    render::{
-        integrator::{Counts, Path},
-        observe::Observer,
-        world::World,
-    },
+    render::{integrator::Counts, observe::Observer, path::Path, world::World},
     scene::{GroupId, LightKind, Projector, Scene},
 };
 

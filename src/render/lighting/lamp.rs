@@ -2,6 +2,7 @@
 
 use crate::{
     math::{self, DMat3, DVec3},
+    render::path::Choices,
     scene::{LightForm, LightKind, Scene, SurfaceLight},
 };
 
@@ -16,20 +17,31 @@ pub(in crate::render) enum Lamp {
     Mesh(Vec<(f64, [DVec3; 3])>),
     /// Unit vectors to the right in the picture, up in it, and ahead, and half its height at distance 1.
     Projector([DVec3; 3], f64),
+    /// The choices that the points of an area light are made from.
+    Area(Choices),
 }
 
 impl Lamp {
     /// Those of the scene's root by their number; none where none is more than plain.
     pub(in crate::render) fn of_all(scene: &Scene) -> Vec<Self> {
-        let is_plain = |kind: &LightKind| !matches!(kind, LightKind::Surface(_) | LightKind::Projector(_));
+        let is_plain = |kind: &LightKind| {
+            !matches!(
+                kind,
+                LightKind::Surface(_) | LightKind::Projector(_) | LightKind::Area { .. }
+            )
+        };
         let lights = &scene.root().lights;
         if lights.iter().all(|light| is_plain(&light.kind)) {
             return Vec::new();
         }
-        lights.iter().map(|light| Self::of(&light.kind)).collect()
+        lights
+            .iter()
+            .zip(0..)
+            .map(|(light, index)| Self::of(index, &light.kind))
+            .collect()
     }
 
-    fn of(kind: &LightKind) -> Self {
+    fn of(index: u64, kind: &LightKind) -> Self {
         match kind {
             LightKind::Surface(surface) => match surface.form() {
                 LightForm::Sphere => Self::Sphere(surface.placing().matrix3.inverse()),
@@ -40,6 +52,7 @@ impl Lamp {
                 let frame = projector.frame();
                 frame.map_or(Self::Plain, |frame| Self::Projector(frame, projector.extent()))
             }
+            LightKind::Area { n, .. } => Self::Area(Choices::new(index, 2 * u64::from(n * n))),
             _ => Self::Plain,
         }
     }

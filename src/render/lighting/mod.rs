@@ -13,6 +13,7 @@ mod lamp;
 mod surface;
 #[cfg(test)]
 mod tests;
+mod together;
 
 pub(super) use around::{openness, scattered};
 pub(super) use faint::highlights;
@@ -20,13 +21,15 @@ pub(super) use kinds::shines_at;
 pub(super) use lamp::Lamp;
 
 use super::{
-    integrator::{Counts, Path},
+    integrator::Counts,
     observe::{Arrived, Observer},
+    path::Path,
     polish::Polished,
-    world::{Blocker, FewObstacles, PACKET, Probe, SurfacePoint, World},
+    world::{Probe, SurfacePoint, World},
 };
-use area::{Area, LANES, Lanes, Samples, each, three};
+use area::Area;
 use kinds::Sent;
+use together::Together;
 
 use crate::{
     color::Color,
@@ -119,23 +122,12 @@ pub(super) fn direct<O: Observer>(
                     corner: *corner,
                     edges: [*edge1, *edge2],
                     n: *n,
-                    index: index as u64,
+                    index,
+                    color: light.color,
+                    attenuation,
+                    lamp: world.lamps.get(index),
                 };
-                let few = lit.obstacles(&area, &mut counts.luck);
-                let mut together = few.is_none().then(|| Together::new(&lit));
-                for first in (0..n * n).step_by(LANES) {
-                    let samples = area.samples(first, at.position, attenuation, path);
-                    match &mut together {
-                        Some(together) => together.add(&mut sum, light.color, &samples, counts, observer),
-                        None => {
-                            let few = few.as_ref();
-                            lit.add_samples(&mut sum, light.color, &samples, few, counts, observer);
-                        }
-                    }
-                }
-                if let Some(mut together) = together {
-                    together.finish(&mut sum, observer);
-                }
+                lit.add_area(&mut sum, &area, path, counts, observer);
             }
             _ => lit.add_other(&mut sum, index, path, counts, observer),
         }
@@ -207,18 +199,6 @@ impl<'w> Lit<'w> {
 }
 
 impl Lit<'_> {
-    /// What may stand before an area light, where that is little.
-    fn obstacles(&self, area: &Area, luck: &mut Luck) -> Option<FewObstacles> {
-        // One ray finds out as much.
-        if area.n == 1 || !luck.is_worth_a_try() {
-            return None;
-        }
-        let rays = (area.n * area.n) as usize;
-        let few = self.world.obstacles(self.at, self.number, area.corners(), rays);
-        luck.remember(few.is_some());
-        few
-    }
-
     /// True only where light from `offset` adds nothing: so far behind the surface that no rounding gives N.L or,
     /// where there is a highlight, N.H a sign other than minus. Spares most lights a root and four divisions.
     #[inline]
@@ -252,7 +232,7 @@ impl Lit<'_> {
         }
     }
 
-    /// As [`Lit::arrived`], where what stood in the way lately is looked at first; counts the ray.
+    /// What is added for light that `arriving` of arrives from a point of a light where nothing is in between. What stood in the way lately is looked at first; counts the ray.
     #[inline]
     fn arrived_after<O: Observer>(
         &self,
@@ -264,21 +244,6 @@ impl Lit<'_> {
         *shadows += 1;
         let (probe, reach) = self.shadow_ray(towards, distance);
         let visible = self.world.share_after(&probe, reach, last);
-        self.seen((&probe, reach), visible, (arriving, response), observer)
-    }
-
-    /// What is added for light that `arriving` of arrives from a point of a light where nothing is in between.
-    #[inline]
-    fn arrived<O: Observer>(
-        &self,
-        (towards, distance): (DVec3, f64),
-        few: Option<&FewObstacles>,
-        arriving: Color,
-        response: Color,
-        observer: &mut O,
-    ) -> Color {
-        let (probe, reach) = self.shadow_ray(towards, distance);
-        let visible = self.world.share_through(&probe, reach, few);
         self.seen((&probe, reach), visible, (arriving, response), observer)
     }
 
@@ -364,105 +329,6 @@ impl Lit<'_> {
         custom.response(&at, towards)
     }
 
-    /// As [`Lit::add`] for each of several points in turn, `color` being the light's.
-    fn add_samples<O: Observer>(
-        &self,
-        sum: &mut Color,
-        color: Color,
-        samples: &Samples,
-        few: Option<&FewObstacles>,
-        counts: &mut Counts,
-        observer: &mut O,
-    ) {
-        let response = self.respond_to_all(samples);
-        let arriving = three(|k| each(|i| color[k] * samples.share[i]));
-        let lit = |i: usize| response[0][i] != 0.0 || response[1][i] != 0.0 || response[2][i] != 0.0;
-        if few.is_some_and(FewObstacles::is_empty) {
-            let seen: [bool; LANES] = std::array::from_fn(|i| i < samples.len && lit(i));
-            // To add 0 changes no sum: one that began with 0 is never -0.
-            let [x, y, z] = three(|k| {
-                each(|i| {
-                    if seen[i] {
-                        arriving[k][i] * response[k][i]
-                    } else {
-                        0.0
-                    }
-                })
-            });
-            for i in 0..LANES {
-                counts.shadow += u64::from(seen[i]);
-                let added = Color::new(x[i], y[i], z[i]);
-                if O::WATCHES && seen[i] {
-                    let (probe, reach) = self.shadow_ray(samples.towards(i), samples.distance[i]);
-                    let arrived = Arrived {
-                        probe: &probe,
-                        reach,
-                        arriving: Color::new(arriving[0][i], arriving[1][i], arriving[2][i]),
-                        visible: Color::ONE,
-                        added,
-                    };
-                    observer.arrived(self, &arrived);
-                }
-                *sum += added;
-            }
-            return;
-        }
-        for i in (0..samples.len).filter(|i| lit(*i)) {
-            counts.shadow += 1;
-            let at = |lanes: &[Lanes; 3]| Color::new(lanes[0][i], lanes[1][i], lanes[2][i]);
-            let place = (samples.towards(i), samples.distance[i]);
-            *sum += self.arrived(place, few, at(&arriving), at(&response), observer);
-        }
-    }
-
-    /// As [`Lit::respond`] for each of several points.
-    #[inline]
-    fn respond_to_all(&self, samples: &Samples) -> [Lanes; 3] {
-        if let Some(custom) = self.gloss.custom {
-            let colors: [Color; LANES] = std::array::from_fn(|i| self.respond_as(custom, samples.towards(i)));
-            return three(|k| each(|i| colors[i][k]));
-        }
-        let n = self.at.shading_normal;
-        let along_n = |[x, y, z]: &[Lanes; 3]| each(|i| n.x * x[i] + n.y * y[i] + n.z * z[i]);
-        let cosine = along_n(&samples.direction);
-        let Gloss {
-            diffuse,
-            specular,
-            exponent,
-            ..
-        } = *self.gloss;
-        let response = three(|k| {
-            each(|i| {
-                if cosine[i] > 0.0 {
-                    diffuse[k] * cosine[i]
-                } else {
-                    0.0
-                }
-            })
-        });
-        if specular == Color::ZERO {
-            return response;
-        }
-        let half = three(|k| each(|i| samples.direction[k][i] + self.to_eye[k]));
-        let length = {
-            let [x, y, z] = &half;
-            each(|i| (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]).sqrt())
-        };
-        let along = along_n(&half);
-        let cosine = each(|i| along[i] / length[i]);
-        let power = exponent.of_each(&each(|i| cosine[i].min(1.0)));
-        three(|k| {
-            each(|i| {
-                response[k][i]
-                    + if cosine[i] > 0.0 {
-                        specular[k] * power[i]
-                    } else {
-                        0.0
-                    }
-            })
-        })
-    }
-
     /// The ray to a point of a light, and how far it looks.
     #[inline]
     fn shadow_ray(&self, towards: DVec3, distance: f64) -> (Probe, f64) {
@@ -475,96 +341,3 @@ impl Lit<'_> {
 
 /// How much of the way to a light a shadow ray looks.
 pub(super) const SHORT: f64 = 1.0 - 1e-7;
-
-/// Points of an area light whose shadow rays are traced together.
-struct Together<'l, 'a> {
-    lit: &'l Lit<'a>,
-    len: usize,
-    probes: [Probe; PACKET],
-    reach: [f64; PACKET],
-    /// What arrives where nothing is in between, and what the surface makes of it.
-    arriving: [Color; PACKET],
-    response: [Color; PACKET],
-}
-
-impl<'l, 'a> Together<'l, 'a> {
-    fn new(lit: &'l Lit<'a>) -> Self {
-        let (probe, reach) = lit.shadow_ray(lit.at.shading_normal, 0.0);
-        Self {
-            lit,
-            len: 0,
-            probes: [probe; PACKET],
-            reach: [reach; PACKET],
-            arriving: [Color::ZERO; PACKET],
-            response: [Color::ZERO; PACKET],
-        }
-    }
-
-    /// As [`Lit::add_samples`], now or later.
-    fn add<O: Observer>(
-        &mut self,
-        sum: &mut Color,
-        color: Color,
-        samples: &Samples,
-        counts: &mut Counts,
-        observer: &mut O,
-    ) {
-        let response = self.lit.respond_to_all(samples);
-        for i in 0..samples.len {
-            let response = Color::new(response[0][i], response[1][i], response[2][i]);
-            if response == Color::ZERO {
-                continue;
-            }
-            counts.shadow += 1;
-            let at = self.len % PACKET;
-            (self.probes[at], self.reach[at]) = self.lit.shadow_ray(samples.towards(i), samples.distance[i]);
-            self.arriving[at] = color * samples.share[i];
-            self.response[at] = response;
-            self.len += 1;
-            if self.len == PACKET {
-                self.finish(sum, observer);
-            }
-        }
-    }
-
-    /// As [`Lit::add`], now or later.
-    fn add_sent<O: Observer>(&mut self, sum: &mut Color, sent: &Sent, counts: &mut Counts, observer: &mut O) {
-        let response = self.lit.respond(sent.towards);
-        if response == Color::ZERO {
-            return;
-        }
-        counts.shadow += 1;
-        let at = self.len % PACKET;
-        (self.probes[at], self.reach[at]) = self.lit.shadow_ray(sent.towards, sent.distance);
-        (self.arriving[at], self.response[at]) = (sent.arriving, response);
-        self.len += 1;
-        if self.len == PACKET {
-            self.finish(sum, observer);
-        }
-    }
-
-    /// Adds what waits, in order.
-    fn finish<O: Observer>(&mut self, sum: &mut Color, observer: &mut O) {
-        let (len, world) = (self.len.min(PACKET), self.lit.world);
-        let mut found = [Blocker::None; PACKET];
-        world.blockers(&self.probes[..len], &self.reach[..len], &mut found[..len]);
-        for (i, found) in found[..len].iter().enumerate() {
-            let visible = match found {
-                Blocker::None => Color::ONE,
-                Blocker::Opaque => Color::ZERO,
-                Blocker::Transparent => world.share_through(&self.probes[i], self.reach[i], None),
-            };
-            let added = visible * self.arriving[i] * self.response[i];
-            let arrived = Arrived {
-                probe: &self.probes[i],
-                reach: self.reach[i],
-                arriving: self.arriving[i],
-                visible,
-                added,
-            };
-            observer.arrived(self.lit, &arrived);
-            *sum += added;
-        }
-        self.len = 0;
-    }
-}

@@ -21,6 +21,22 @@ pub(crate) const fn mix(mut x: u64) -> u64 {
     x ^ (x >> 31)
 }
 
+/// A number in [0, 1) from random bits.
+#[inline(always)]
+fn unit(bits: u64) -> f64 {
+    (bits >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+}
+
+/// A dimension, hashed: of the two hashes behind a random number the one that is the same for all samples.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Hashed(u64);
+
+impl Hashed {
+    pub(crate) const fn new(dimension: u64) -> Self {
+        Self(mix(dimension))
+    }
+}
+
 /// The first of two dimensions for a point of the lens; those of a path are below them.
 pub(crate) const LENS: u64 = 1 << 63;
 
@@ -51,7 +67,16 @@ impl Sampler {
         if let Some(index) = self.in_net {
             return net::number(self.key, index, dimension);
         }
-        (self.bits(dimension) >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+        unit(self.bits(dimension))
+    }
+
+    /// The numbers of dimensions, whose hashes are known; `None` in a net.
+    #[inline(always)]
+    pub(crate) fn get_each<const N: usize>(&self, dimensions: &[Hashed; N]) -> Option<[f64; N]> {
+        if self.in_net.is_some() {
+            return None;
+        }
+        Some(dimensions.map(|Hashed(hash)| unit(mix(self.key ^ hash))))
     }
 
     /// 64 random bits for a dimension; in a net the same for all samples of the pixel.

@@ -18,6 +18,7 @@ mod kept;
 mod level;
 mod moving;
 mod origin;
+mod outline;
 mod packet;
 mod placing;
 mod query;

@@ -3,9 +3,10 @@
 use super::{
     SurfacePoint, World,
     level::{Level, Primitive},
+    outline::{Forecast, Outline},
 };
 use crate::{
-    accel::{LeafKind, NONE, Shaft},
+    accel::{Exact, Four, LeafKind, NONE, Shaft},
     math::{DAffine3, DVec3},
     shape::Shape,
 };
@@ -15,6 +16,8 @@ use crate::{
 pub(crate) struct FewObstacles {
     indices: [u32; Self::CAPACITY],
     len: usize,
+    /// What they look like, and whether they are opaque.
+    outlines: [(Outline, bool); Self::CAPACITY],
 }
 
 impl FewObstacles {
@@ -38,8 +41,14 @@ impl FewObstacles {
         true
     }
 
-    pub(crate) fn is_empty(&self) -> bool {
-        self.len == 0
+    /// What rays meet of them that go these ways from the point they were found for, as far as that is certain.
+    #[inline(always)]
+    pub(crate) fn forecast<L: Exact>(&self, lanes: L, ways: &[Four<L>; 3]) -> Forecast<L> {
+        let mut forecast = Forecast::clear(lanes);
+        for (outline, is_opaque) in self.outlines.iter().take(self.len) {
+            forecast = forecast.and(lanes, outline.look(lanes, ways), *is_opaque);
+        }
+        forecast
     }
 
     pub(super) fn indices(&self) -> &[u32] {
@@ -115,7 +124,16 @@ impl World<'_> {
                             && (!view.may_meet(index) || few.push(level, index))
                     }),
                 });
-        known.then_some(few)
+        known.then(|| {
+            for (outline, index) in few.outlines.iter_mut().zip(few.indices).take(few.len) {
+                // From its own surface it looks like nothing that is certain.
+                if u64::from(index) != start {
+                    let seen = Outline::new(level, index, apex, at.scale, &corners);
+                    *outline = (seen, !level.may_be_transparent(index));
+                }
+            }
+            few
+        })
     }
 }
 
