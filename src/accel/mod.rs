@@ -24,7 +24,7 @@ pub use blocks::{BLOCK, Candidates, NONE, Range, Spheres, Triangles};
 pub use boxes::{Box32, Child, LeafKind, round_down, round_up};
 pub use build::{Bvh, Kinds, Leaves, Primitive};
 pub use cuboids::Cuboids;
-pub use lanes::{Exact, Four, Lanes, Mask, Simd, Task, prefetch, run};
+pub use lanes::{Exact, Four, Lanes, Mask, Simd, Task, Words, prefetch, run};
 pub use packet::{DONE, Decide, PACKET, Place, RayPacket, Search, rays};
 pub use ray::{Ray32, RayBlock, RayBox, RayCuboid, RaySphere};
 pub use shaft::Shaft;
@@ -39,7 +39,7 @@ pub fn cases(n: usize) -> usize {
 
 /// Numbers in [0, 1) for tests, from the generator of Knuth's MMIX.
 #[cfg(test)]
-fn random(mut state: u64) -> impl FnMut() -> f64 {
+pub fn random(mut state: u64) -> impl FnMut() -> f64 {
     move || {
         state = state
             .wrapping_mul(6_364_136_223_846_793_005)

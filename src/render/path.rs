@@ -4,6 +4,7 @@ use super::{
     interrupt::Interrupt,
     sampler::{Hashed, Sampler},
 };
+use crate::accel::{Exact, Four};
 
 /// Where on a camera sample's tree of rays a point lies; keys its random numbers.
 pub(super) struct Path<'i> {
@@ -42,21 +43,29 @@ impl<'i> Path<'i> {
         self.sampler.get(dimension(self.vertex, light, cell))
     }
 
-    /// [`Path::random`] for `N` choices from `first` on about a light, which `choices` were made for; numbers of choices
-    /// beyond all there are mean nothing.
+    /// Two numbers for each of four cells of a light from cell `first` on, a multiple of four: [`Path::random`] for choices
+    /// `2 cell` and `2 cell + 1`. What is prepared of the light's cells is in `pairs`.
     #[inline(always)]
-    pub(super) fn randoms<const N: usize>(
+    pub(super) fn pairs<L: Exact>(
         &self,
-        choices: Option<&Choices>,
+        lanes: L,
+        pairs: Option<&Pairs>,
         light: u64,
         first: u64,
-    ) -> [f64; N] {
-        if let Some(hashed) = choices.and_then(|choices| choices.hashed(self.vertex, first))
-            && let Some(numbers) = self.sampler.get_each(hashed)
+    ) -> [Four<L>; 2] {
+        if let Some([a, b]) = pairs.and_then(|pairs| pairs.hashed(self.vertex, first))
+            && let (Some(a), Some(b)) = (self.sampler.get_four(lanes, a), self.sampler.get_four(lanes, b))
         {
-            return numbers;
+            return [a, b];
         }
-        std::array::from_fn(|i| self.random(light, first + i as u64))
+        let numbers = self.pairs_one_by_one(light, first);
+        [Four::new(lanes, numbers[0]), Four::new(lanes, numbers[1])]
+    }
+
+    #[inline(never)]
+    fn pairs_one_by_one(&self, light: u64, first: u64) -> [[f64; 4]; 2] {
+        let number = |k| move |i: u64| self.random(light, 2 * (first + i) + k);
+        [[0, 1, 2, 3].map(number(0)), [0, 1, 2, 3].map(number(1))]
     }
 
     /// As [`Path::random`] for the `cell`-th choice about where rays go on from this point.
@@ -70,68 +79,91 @@ impl<'i> Path<'i> {
     }
 }
 
-/// The choices about one light, as far as their numbers can be worked out for all pixels alike: of the first points of
-/// samples, where there are not too many.
+/// The choices about the cells of one light, as far as their numbers can be worked out for all pixels alike: for the first
+/// points of samples, where there are not too many.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Choices {
-    hashed: Vec<Hashed>,
-    /// How many a point has here, a few more than the light asks for, so that they can be taken several at once.
-    at_a_point: usize,
+pub(super) struct Pairs {
+    /// Of four cells in a row each.
+    hashed: Vec<[[Hashed; 4]; 2]>,
+    /// Fours of one point of a sample.
+    fours: usize,
 }
 
-impl Choices {
+impl Pairs {
     /// Points of a sample that are prepared for.
     const POINTS: u64 = 3;
-    /// Choices of a point beyond which nothing is prepared: all together stay well within the nearest cache.
-    const MOST: u64 = 512;
-    /// How many may be asked for at once.
-    const AT_ONCE: u64 = 8;
+    /// Cells beyond which nothing is prepared: all together stay well within the nearest cache.
+    const MOST: u64 = 256;
 
-    /// The first `count` choices about light `light`.
-    pub(super) fn new(light: u64, count: u64) -> Self {
-        if count > Self::MOST {
+    /// For so many cells of light `light`.
+    pub(super) fn new(light: u64, cells: u64) -> Self {
+        if cells > Self::MOST {
             return Self::default();
         }
-        let count = count.next_multiple_of(Self::AT_ONCE);
-        let points = 0..Self::POINTS;
+        let fours = cells.div_ceil(4);
+        let of_four = |vertex: u64, first: u64| {
+            let hashed = |k| move |i: u64| Hashed::new(dimension(vertex, light, 2 * (first + i) + k));
+            [[0, 1, 2, 3].map(hashed(0)), [0, 1, 2, 3].map(hashed(1))]
+        };
         Self {
-            hashed: points
-                .flat_map(|vertex| (0..count).map(move |cell| Hashed::new(dimension(vertex, light, cell))))
+            hashed: (0..Self::POINTS)
+                .flat_map(|vertex| (0..fours).map(move |four| of_four(vertex, 4 * four)))
                 .collect(),
-            at_a_point: count as usize,
+            fours: fours as usize,
         }
     }
 
+    /// How many fours of cells are prepared for.
+    pub(super) fn fours(&self) -> usize {
+        self.fours
+    }
+
     #[inline(always)]
-    fn hashed<const N: usize>(&self, vertex: u64, first: u64) -> Option<&[Hashed; N]> {
-        let first = self.at_a_point.checked_mul(vertex as usize)? + first as usize;
-        self.hashed.get(first..)?.first_chunk()
+    fn hashed(&self, vertex: u64, first: u64) -> Option<&[[Hashed; 4]; 2]> {
+        self.hashed.get(self.fours * vertex as usize + first as usize / 4)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::NoHost;
+    use crate::{
+        NoHost,
+        accel::{self, Lanes, Task},
+    };
 
     #[test]
     fn numbers_that_were_prepared_are_those_that_are_asked_for_one_by_one() {
         let interrupt = Interrupt::new(&NoHost);
         for sampler in [Sampler::new(3, 5, 7, 1), Sampler::in_net(3, 5, 7, 1)] {
-            for (light, count) in [(0, 8), (1, 128), (2, 18), (7, 512), (0, 513), (3, 2)] {
-                let choices = Choices::new(light, count);
-                assert_eq!(choices.at_a_point > 0, count <= Choices::MOST);
+            for (light, cells) in [(0, 4), (1, 64), (2, 9), (7, 256), (0, 257), (3, 1)] {
+                let pairs = Pairs::new(light, cells);
+                assert_eq!(pairs.fours > 0, cells <= Pairs::MOST);
                 let mut path = Path::new(sampler, &interrupt);
                 for vertex in 0..5 {
                     path.vertex = vertex;
-                    for first in (0..count).step_by(8) {
-                        let all: [f64; 8] = path.randoms(Some(&choices), light, first);
-                        for (number, i) in all.into_iter().zip(first..count) {
-                            assert_eq!(number, path.random(light, i));
+                    for first in (0..cells).step_by(4) {
+                        let [a, b] = accel::run(Asked(&path, &pairs, light, first));
+                        for (i, cell) in (first..cells).take(4).enumerate() {
+                            assert_eq!(a[i], path.random(light, 2 * cell));
+                            assert_eq!(b[i], path.random(light, 2 * cell + 1));
                         }
                     }
                 }
             }
+        }
+    }
+
+    struct Asked<'t>(&'t Path<'t>, &'t Pairs, u64, u64);
+
+    impl Task for Asked<'_> {
+        type Output = [[f64; 4]; 2];
+
+        #[inline(always)]
+        fn run<L: Lanes>(self, lanes: L) -> Self::Output {
+            let Self(path, pairs, light, first) = self;
+            path.pairs(lanes, Some(pairs), light, first)
+                .map(|four| four.to_array())
         }
     }
 }

@@ -9,7 +9,7 @@ mod tests;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-pub use quad::{Exact, Four, Mask};
+pub use quad::{Exact, Four, Mask, Words};
 
 use super::four::F4;
 

@@ -33,6 +33,85 @@ pub trait Exact: Copy {
     fn or(self, a: Self::D4, b: Self::D4) -> Self::D4;
     /// The sign bits, the first lane's in bit 0.
     fn signs(self, a: Self::D4) -> u32;
+
+    /// Four u64.
+    type U4: Copy;
+    /// The lanes from memory.
+    fn from_words(self, from: &[u64; 4]) -> Self::U4;
+    /// The bits in one of the two.
+    fn xor(self, a: Self::U4, b: Self::U4) -> Self::U4;
+    /// a + b modulo 2^64
+    fn add_words(self, a: Self::U4, b: Self::U4) -> Self::U4;
+    /// a b modulo 2^64
+    fn mul_words(self, a: Self::U4, b: Self::U4) -> Self::U4;
+    /// a / 2^N, rounded down.
+    fn shift<const N: i32>(self, a: Self::U4) -> Self::U4;
+    /// As numbers; all are below 2^53.
+    fn to_f64(self, a: Self::U4) -> Self::D4;
+}
+
+/// Four u64.
+#[derive(Clone, Copy)]
+pub struct Words<L: Exact> {
+    lanes: L,
+    u4: L::U4,
+}
+
+impl<L: Exact> Words<L> {
+    /// These words.
+    #[inline(always)]
+    pub fn new(lanes: L, from: &[u64; 4]) -> Self {
+        let u4 = lanes.from_words(from);
+        Self { lanes, u4 }
+    }
+
+    /// One word in all lanes.
+    #[inline(always)]
+    pub fn splat(lanes: L, x: u64) -> Self {
+        Self::new(lanes, &[x; 4])
+    }
+
+    #[inline(always)]
+    fn with(self, other: Self, f: impl Fn(L, L::U4, L::U4) -> L::U4) -> Self {
+        let lanes = self.lanes;
+        let u4 = f(lanes, self.u4, other.u4);
+        Self { lanes, u4 }
+    }
+
+    /// The bits in one of the two.
+    #[inline(always)]
+    pub fn xor(self, other: Self) -> Self {
+        self.with(other, L::xor)
+    }
+
+    /// The sums modulo 2^64.
+    #[inline(always)]
+    pub fn wrapping_add(self, x: u64) -> Self {
+        self.with(Self::splat(self.lanes, x), L::add_words)
+    }
+
+    /// The products modulo 2^64.
+    #[inline(always)]
+    pub fn wrapping_mul(self, x: u64) -> Self {
+        self.with(Self::splat(self.lanes, x), L::mul_words)
+    }
+
+    /// Divided by 2^N, rounded down.
+    #[inline(always)]
+    pub fn shift<const N: i32>(self) -> Self {
+        Self {
+            u4: self.lanes.shift::<N>(self.u4),
+            ..self
+        }
+    }
+
+    /// As numbers; all are below 2^53.
+    #[inline(always)]
+    pub fn to_f64(self) -> Four<L> {
+        let lanes = self.lanes;
+        let d4 = lanes.to_f64(self.u4);
+        Four { lanes, d4 }
+    }
 }
 
 /// Four f64. Operators work lane by lane.
@@ -254,6 +333,38 @@ impl Exact for Portable {
     fn signs(self, a: Self::D4) -> u32 {
         (0..4).fold(0, |bits, i| bits | u32::from(a[i].is_sign_negative()) << i)
     }
+
+    type U4 = [u64; 4];
+
+    #[inline(always)]
+    fn from_words(self, from: &[u64; 4]) -> Self::U4 {
+        *from
+    }
+
+    #[inline(always)]
+    fn xor(self, a: Self::U4, b: Self::U4) -> Self::U4 {
+        [0, 1, 2, 3].map(|i| a[i] ^ b[i])
+    }
+
+    #[inline(always)]
+    fn add_words(self, a: Self::U4, b: Self::U4) -> Self::U4 {
+        [0, 1, 2, 3].map(|i| a[i].wrapping_add(b[i]))
+    }
+
+    #[inline(always)]
+    fn mul_words(self, a: Self::U4, b: Self::U4) -> Self::U4 {
+        [0, 1, 2, 3].map(|i| a[i].wrapping_mul(b[i]))
+    }
+
+    #[inline(always)]
+    fn shift<const N: i32>(self, a: Self::U4) -> Self::U4 {
+        a.map(|x| x >> N)
+    }
+
+    #[inline(always)]
+    fn to_f64(self, a: Self::U4) -> Self::D4 {
+        a.map(|x| x as f64)
+    }
 }
 
 #[cfg(test)]
@@ -303,6 +414,41 @@ mod tests {
                 numbers.map(|x| x.to_array().map(bits)).to_vec(),
                 masks.map(Mask::bits).to_vec(),
             )
+        }
+    }
+
+    /// What comes of all operations on words; numbers as bits.
+    struct AllOfWords;
+
+    impl Task for AllOfWords {
+        type Output = [[u64; 4]; 6];
+
+        #[inline(always)]
+        fn run<L: Lanes>(self, lanes: L) -> Self::Output {
+            let a = Words::new(lanes, &[u64::MAX, 0x9e37_79b9_7f4a_7c15, 1 << 63 | 12_345, 0]);
+            let b = Words::new(lanes, &[7, u64::MAX - 1, 0x8000_0001_0000_0003, 99]);
+            // What is seen of words is the number of their upper bits, and that of their lower ones.
+            let upper = |x: Words<L>| x.shift::<11>().to_f64().to_array().map(f64::to_bits);
+            let lower = |x: Words<L>| upper(x.wrapping_mul(1 << 53));
+            [
+                upper(a.xor(b)),
+                upper(a.wrapping_add(0xbf58_476d_1ce4_e5b9)),
+                upper(a.wrapping_mul(0xbf58_476d_1ce4_e5b9)),
+                lower(b.wrapping_mul(0x94d0_49bb_1331_11eb)),
+                upper(b.shift::<31>().xor(a)),
+                upper(Words::splat(lanes, u64::MAX)),
+            ]
+        }
+    }
+
+    #[test]
+    fn words_are_those_of_plain_arithmetic() {
+        let plain = AllOfWords.run(Portable);
+        let product = 0x9e37_79b9_7f4a_7c15_u64.wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 11;
+        assert_eq!(plain[2][1], (product as f64).to_bits());
+        assert_eq!(plain[5], [((1u64 << 53) - 1) as f64; 4].map(f64::to_bits));
+        for simd in Simd::all() {
+            assert_eq!(simd.run(AllOfWords), plain, "{simd:?}");
         }
     }
 

@@ -167,6 +167,10 @@ impl Lanes for Avx512 {
     }
 }
 
+/// 2^84 and 2^52: with these exponents the last 32 bits of a number count from 2^32 and from 1.
+const UPPER: f64 = 19_342_813_113_834_066_795_298_816.0;
+const LOWER: f64 = 4_503_599_627_370_496.0;
+
 /// Instructions for four f64 in a single register.
 macro_rules! one_register_of_f64 {
     ($lanes:ty) => {
@@ -233,6 +237,53 @@ macro_rules! one_register_of_f64 {
             #[inline(always)]
             fn signs(self, a: Self::D4) -> u32 {
                 unsafe { _mm256_movemask_pd(a) as u32 }
+            }
+
+            type U4 = __m256i;
+
+            #[inline(always)]
+            fn from_words(self, from: &[u64; 4]) -> Self::U4 {
+                unsafe { _mm256_loadu_si256(from.as_ptr().cast()) }
+            }
+
+            #[inline(always)]
+            fn xor(self, a: Self::U4, b: Self::U4) -> Self::U4 {
+                unsafe { _mm256_xor_si256(a, b) }
+            }
+
+            #[inline(always)]
+            fn add_words(self, a: Self::U4, b: Self::U4) -> Self::U4 {
+                unsafe { _mm256_add_epi64(a, b) }
+            }
+
+            #[inline(always)]
+            fn mul_words(self, a: Self::U4, b: Self::U4) -> Self::U4 {
+                // Halves of 32 bits; the product of both upper ones is beyond what is asked for.
+                unsafe {
+                    let low = _mm256_mul_epu32(a, b);
+                    let upper_a = _mm256_mul_epu32(_mm256_srli_epi64::<32>(a), b);
+                    let upper_b = _mm256_mul_epu32(a, _mm256_srli_epi64::<32>(b));
+                    let upper = _mm256_add_epi64(upper_a, upper_b);
+                    _mm256_add_epi64(low, _mm256_slli_epi64::<32>(upper))
+                }
+            }
+
+            #[inline(always)]
+            fn shift<const N: i32>(self, a: Self::U4) -> Self::U4 {
+                unsafe { _mm256_srli_epi64::<N>(a) }
+            }
+
+            #[inline(always)]
+            fn to_f64(self, a: Self::U4) -> Self::D4 {
+                // With an exponent before them, 32 bits are a number more than 2^52 or 2^84.
+                unsafe {
+                    let exponents = [_mm256_set1_pd(UPPER), _mm256_set1_pd(LOWER)];
+                    let upper = _mm256_castsi256_pd(_mm256_srli_epi64::<32>(a));
+                    let upper = _mm256_sub_pd(_mm256_or_pd(upper, exponents[0]), exponents[0]);
+                    let lower = _mm256_blend_epi32::<0b1010_1010>(a, _mm256_castpd_si256(exponents[1]));
+                    let lower = _mm256_sub_pd(_mm256_castsi256_pd(lower), exponents[1]);
+                    _mm256_add_pd(upper, lower)
+                }
             }
         }
     };
@@ -309,5 +360,56 @@ impl Exact for Sse2 {
     fn signs(self, a: Self::D4) -> u32 {
         let [low, high] = [0, 1].map(|i| unsafe { _mm_movemask_pd(a[i]) as u32 });
         low | high << 2
+    }
+    type U4 = [__m128i; 2];
+
+    #[inline(always)]
+    fn from_words(self, from: &[u64; 4]) -> Self::U4 {
+        let [low, high] = [&from[..2], &from[2..]];
+        unsafe {
+            [
+                _mm_loadu_si128(low.as_ptr().cast()),
+                _mm_loadu_si128(high.as_ptr().cast()),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    fn xor(self, a: Self::U4, b: Self::U4) -> Self::U4 {
+        unsafe { [_mm_xor_si128(a[0], b[0]), _mm_xor_si128(a[1], b[1])] }
+    }
+
+    #[inline(always)]
+    fn add_words(self, a: Self::U4, b: Self::U4) -> Self::U4 {
+        unsafe { [_mm_add_epi64(a[0], b[0]), _mm_add_epi64(a[1], b[1])] }
+    }
+
+    #[inline(always)]
+    fn mul_words(self, a: Self::U4, b: Self::U4) -> Self::U4 {
+        [0, 1].map(|i| unsafe {
+            let (a, b) = (a[i], b[i]);
+            let low = _mm_mul_epu32(a, b);
+            let upper_a = _mm_mul_epu32(_mm_srli_epi64::<32>(a), b);
+            let upper_b = _mm_mul_epu32(a, _mm_srli_epi64::<32>(b));
+            let upper = _mm_add_epi64(upper_a, upper_b);
+            _mm_add_epi64(low, _mm_slli_epi64::<32>(upper))
+        })
+    }
+
+    #[inline(always)]
+    fn shift<const N: i32>(self, a: Self::U4) -> Self::U4 {
+        unsafe { [_mm_srli_epi64::<N>(a[0]), _mm_srli_epi64::<N>(a[1])] }
+    }
+
+    #[inline(always)]
+    fn to_f64(self, a: Self::U4) -> Self::D4 {
+        [0, 1].map(|i| unsafe {
+            let exponents = [_mm_set1_pd(UPPER), _mm_set1_pd(LOWER)];
+            let upper = _mm_castsi128_pd(_mm_srli_epi64::<32>(a[i]));
+            let upper = _mm_sub_pd(_mm_or_pd(upper, exponents[0]), exponents[0]);
+            let lower = _mm_castsi128_pd(_mm_srli_epi64::<32>(_mm_slli_epi64::<32>(a[i])));
+            let lower = _mm_sub_pd(_mm_or_pd(lower, exponents[1]), exponents[1]);
+            _mm_add_pd(upper, lower)
+        })
     }
 }

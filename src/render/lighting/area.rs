@@ -5,7 +5,7 @@ use crate::{
     accel::{self, Exact, Four, Lanes, Mask, Task},
     color::Color,
     math::DVec3,
-    render::world::FewObstacles,
+    render::{path::Pairs, world::FewObstacles},
     scene::Attenuation,
 };
 
@@ -91,24 +91,20 @@ impl Area<'_> {
     #[inline(always)]
     fn samples<L: Exact>(&self, lanes: L, first: u32, p: DVec3, path: &Path<'_>) -> Samples<L> {
         let cells = self.n * self.n;
-        let (mut a, mut b) = ([0.0; LANES], [0.0; LANES]);
         let len = LANES.min((cells - first) as usize);
-        let (mut row, mut column) = (first / self.n, first % self.n);
-        let choices = match self.lamp {
-            Some(Lamp::Area(choices)) => Some(choices),
+        let known = match self.lamp {
+            Some(Lamp::Area(cells)) => Some(cells),
             _ => None,
         };
-        let jitter: [f64; 2 * LANES] = path.randoms(choices, self.index as u64, 2 * u64::from(first));
-        for i in 0..LANES {
-            a[i] = f64::from(column) + jitter[2 * i];
-            b[i] = f64::from(row) + jitter[2 * i + 1];
-            column += 1;
-            if column == self.n {
-                (row, column) = (row + 1, 0);
-            }
-        }
+        let pairs = known.map(|cells| &cells.pairs);
+        let [a, b] = path.pairs(lanes, pairs, self.index as u64, u64::from(first));
+        let place = known.and_then(|cells| cells.places.get(first as usize / LANES));
+        let [column, row] = match place {
+            Some(place) => *place,
+            None => places(self.n, first),
+        };
+        let (a, b) = (Four::new(lanes, column) + a, Four::new(lanes, row) + b);
         let n = f64::from(self.n);
-        let (a, b) = (Four::new(lanes, a), Four::new(lanes, b));
         // A division by a power of 2 is a product, to the bit.
         let (a, b) = if self.n.is_power_of_two() {
             (a * (1.0 / n), b * (1.0 / n))
@@ -139,6 +135,35 @@ impl Area<'_> {
             self.corner + edge2,
         ]
     }
+}
+
+/// What is worked out about the cells of a light once for a picture, unless there are very many.
+#[derive(Clone, Debug)]
+pub(in crate::render) struct Cells {
+    pairs: Pairs,
+    /// Columns and rows of four in a row each.
+    places: Vec<[[f64; LANES]; 2]>,
+}
+
+impl Cells {
+    /// Those of the light of this number, n x n.
+    pub(super) fn new(light: u64, n: u32) -> Self {
+        let pairs = Pairs::new(light, u64::from(n) * u64::from(n));
+        let firsts = (0..n * n).step_by(LANES);
+        Self {
+            places: firsts.take(pairs.fours()).map(|first| places(n, first)).collect(),
+            pairs,
+        }
+    }
+}
+
+/// Columns and rows of four cells from cell `first` on, of n x n.
+fn places(n: u32, first: u32) -> [[f64; LANES]; 2] {
+    let cells = [0, 1, 2, 3].map(|i| first + i);
+    [
+        cells.map(|cell| f64::from(cell % n)),
+        cells.map(|cell| f64::from(cell / n)),
+    ]
 }
 
 /// Adding what comes from an area light, with whatever instructions there are: arithmetic in f64 gives the same with all of

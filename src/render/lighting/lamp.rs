@@ -1,8 +1,8 @@
 //! What is worked out about lights once for a picture.
 
+use super::area::Cells;
 use crate::{
     math::{self, DMat3, DVec3},
-    render::path::Choices,
     scene::{LightForm, LightKind, Scene, SurfaceLight},
 };
 
@@ -17,8 +17,8 @@ pub(in crate::render) enum Lamp {
     Mesh(Vec<(f64, [DVec3; 3])>),
     /// Unit vectors to the right in the picture, up in it, and ahead, and half its height at distance 1.
     Projector([DVec3; 3], f64),
-    /// The choices that the points of an area light are made from.
-    Area(Choices),
+    /// The cells of an area light.
+    Area(Cells),
 }
 
 impl Lamp {
@@ -52,7 +52,7 @@ impl Lamp {
                 let frame = projector.frame();
                 frame.map_or(Self::Plain, |frame| Self::Projector(frame, projector.extent()))
             }
-            LightKind::Area { n, .. } => Self::Area(Choices::new(index, 2 * u64::from(n * n))),
+            LightKind::Area { n, .. } => Self::Area(Cells::new(index, *n)),
             _ => Self::Plain,
         }
     }

@@ -4,6 +4,8 @@
 
 mod net;
 
+use crate::accel::{Exact, Four, Words};
+
 /// The random numbers of one camera sample.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sampler {
@@ -21,11 +23,17 @@ pub(crate) const fn mix(mut x: u64) -> u64 {
     x ^ (x >> 31)
 }
 
-/// A number in [0, 1) from random bits.
+/// [`mix`] for each of four.
 #[inline(always)]
-fn unit(bits: u64) -> f64 {
-    (bits >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+fn mix_four<L: Exact>(x: Words<L>) -> Words<L> {
+    let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let x = x.xor(x.shift::<30>()).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let x = x.xor(x.shift::<27>()).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x.xor(x.shift::<31>())
 }
+
+/// What 53 bits are divided by to be a number in [0, 1).
+const UNIT: f64 = 1.0 / (1u64 << 53) as f64;
 
 /// A dimension, hashed: of the two hashes behind a random number the one that is the same for all samples.
 #[derive(Clone, Copy, Debug)]
@@ -67,16 +75,19 @@ impl Sampler {
         if let Some(index) = self.in_net {
             return net::number(self.key, index, dimension);
         }
-        unit(self.bits(dimension))
+        (self.bits(dimension) >> 11) as f64 * UNIT
     }
 
-    /// The numbers of dimensions, whose hashes are known; `None` in a net.
+    /// The numbers of four dimensions, whose hashes are known; `None` in a net.
     #[inline(always)]
-    pub(crate) fn get_each<const N: usize>(&self, dimensions: &[Hashed; N]) -> Option<[f64; N]> {
+    pub(crate) fn get_four<L: Exact>(&self, lanes: L, dimensions: &[Hashed; 4]) -> Option<Four<L>> {
         if self.in_net.is_some() {
             return None;
         }
-        Some(dimensions.map(|Hashed(hash)| unit(mix(self.key ^ hash))))
+        let [a, b, c, d] = *dimensions;
+        let hashed = Words::new(lanes, &[a.0, b.0, c.0, d.0]);
+        let bits = mix_four(hashed.xor(Words::splat(lanes, self.key)));
+        Some(bits.shift::<11>().to_f64() * UNIT)
     }
 
     /// 64 random bits for a dimension; in a net the same for all samples of the pixel.

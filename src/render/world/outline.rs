@@ -196,3 +196,104 @@ impl Cuboid {
         (misses, meets)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        accel::{self, Lanes, Task, cases},
+        math::{Ray, rotation},
+        shape::{Crossings, Shape, Sphere},
+    };
+
+    struct Look<'t>(&'t Outline, [[f64; 4]; 3]);
+
+    impl Task for Look<'_> {
+        type Output = [u32; 2];
+
+        #[inline(always)]
+        fn run<L: Lanes>(self, lanes: L) -> Self::Output {
+            let [x, y, z] = self.1;
+            let ways = [Four::new(lanes, x), Four::new(lanes, y), Four::new(lanes, z)];
+            let (misses, meets) = self.0.look(lanes, &ways);
+            [misses.bits(), meets.bits()]
+        }
+    }
+
+    /// Balls and boxes of all sizes, near and far, turned and stretched, looked at along rays that are aimed at their
+    /// middles, beside them and closely at their edges: what is certain is what the crossings say, and most is certain.
+    #[test]
+    fn what_is_certain_is_true() {
+        let mut random = accel::random(29);
+        let mut random = move || 2.0 * random() - 1.0;
+        let mut next = move || DVec3::new(random(), random(), random());
+        let (mut certain, mut all) = ([0; 2], 0);
+        for case in 0..cases(60_000) {
+            let size = crate::math::pow(10.0, if case % 4 == 0 { next().x * 12.0 } else { 0.0 });
+            let apex = next() * 6.0 * size;
+            let center = next() * 3.0 * size;
+            let half = (next().abs() + 0.02) * size;
+            let stretch = DVec3::ONE + next() * 0.9 * f64::from(case % 3 == 0);
+            let turn = rotation(next().normalize(), next().x * 180.0);
+            let level_from_object =
+                DAffine3::from_mat3_translation(turn * DMat3::from_diagonal(stretch), center);
+            let object_from_level = level_from_object.inverse();
+            let ball = Shape::Sphere(Sphere::new(center, half.x).unwrap());
+            let cuboid = Shape::Cuboid(crate::shape::Cuboid::new(half * 2.0).unwrap());
+            let (shape, into) = match case % 2 {
+                0 => (ball, DAffine3::IDENTITY),
+                _ => (cuboid, object_from_level),
+            };
+            // Ends of rays: behind the thing, beside it, in it, on its edge, almost on its edge.
+            let ends = [0, 1, 2, 3].map(|_| {
+                let mut on_it = next() * 1.5;
+                if case % 5 == 0 {
+                    on_it = on_it.signum() * if next().x > 0.0 { DVec3::ONE } else { on_it.abs() };
+                    on_it *= 1.0 + next().x * 1e-12;
+                }
+                let p = match case % 2 {
+                    0 => {
+                        center
+                            + on_it.normalize() * half.x * (1.0 + 0.7 * next().x * f64::from(case % 5 != 0))
+                    }
+                    _ => level_from_object.transform_point3(on_it * half),
+                };
+                apex + (p - apex)
+                    * if next().x > -0.5 {
+                        2.0 + next().x
+                    } else {
+                        1.0 + next().x
+                    }
+            });
+            let around = ends.iter().fold(size * 6.0, |m, end| m.max(max_abs(*end)));
+            let outline = match &shape {
+                Shape::Sphere(_) => {
+                    Ball::new(center, half.x, apex, around).map_or(Outline::Unknown, Outline::Ball)
+                }
+                _ => Cuboid::new(half, &into, apex, around).map_or(Outline::Unknown, Outline::Cuboid),
+            };
+            let ways = [0, 1, 2].map(|k| ends.map(|end| end[k] - apex[k]));
+            let [misses, meets] = accel::run(Look(&outline, ways));
+            for (i, end) in ends.iter().enumerate() {
+                let distance = (*end - apex).length();
+                let ray = Ray::new(apex, (*end - apex) / distance);
+                let mut crossings = Crossings::default();
+                shape.crossings(&ray.transformed(&into), &mut crossings);
+                let (least, most) = (1e-10 * around, distance * crate::render::lighting::SHORT);
+                let is_met = crossings.first_within(least, most).is_some();
+                let [misses, meets] = [misses, meets].map(|bits| bits >> i & 1 == 1);
+                assert!(
+                    !(misses && is_met) && !(meets && !is_met),
+                    "{case}: {shape:?} {ray:?} {distance}"
+                );
+                certain[usize::from(is_met)] += usize::from(misses || meets);
+                all += 1;
+            }
+        }
+        assert!(
+            certain[0] * 5 > all && certain[1] * 5 > all,
+            "{certain:?} of {all}"
+        );
+        assert!((certain[0] + certain[1]) * 10 > all * 8, "{certain:?} of {all}");
+    }
+}
