@@ -10,9 +10,9 @@ pub trait Exact: Copy {
     /// Four f64.
     type D4: Copy;
     /// The lanes from memory.
-    fn from_array(self, from: &[f64; 4]) -> Self::D4;
+    fn load_f64(self, from: &[f64; 4]) -> Self::D4;
     /// The lanes as an array.
-    fn to_array(self, a: Self::D4) -> [f64; 4];
+    fn store_f64(self, a: Self::D4) -> [f64; 4];
     /// a + b
     fn add(self, a: Self::D4, b: Self::D4) -> Self::D4;
     /// a - b
@@ -37,7 +37,7 @@ pub trait Exact: Copy {
     /// Four u64.
     type U4: Copy;
     /// The lanes from memory.
-    fn from_words(self, from: &[u64; 4]) -> Self::U4;
+    fn load_u64(self, from: &[u64; 4]) -> Self::U4;
     /// The bits in one of the two.
     fn xor(self, a: Self::U4, b: Self::U4) -> Self::U4;
     /// a + b modulo 2^64
@@ -61,7 +61,7 @@ impl<L: Exact> Words<L> {
     /// These words.
     #[inline(always)]
     pub fn new(lanes: L, from: &[u64; 4]) -> Self {
-        let u4 = lanes.from_words(from);
+        let u4 = lanes.load_u64(from);
         Self { lanes, u4 }
     }
 
@@ -129,7 +129,7 @@ impl<L: Exact> Four<L> {
     /// These numbers.
     #[inline(always)]
     pub fn new(lanes: L, from: [f64; 4]) -> Self {
-        let d4 = lanes.from_array(&from);
+        let d4 = lanes.load_f64(&from);
         Self { lanes, d4 }
     }
 
@@ -148,7 +148,7 @@ impl<L: Exact> Four<L> {
     /// The lanes.
     #[inline(always)]
     pub fn to_array(self) -> [f64; 4] {
-        self.lanes.to_array(self.d4)
+        self.lanes.store_f64(self.d4)
     }
 
     #[inline(always)]
@@ -275,12 +275,12 @@ impl Exact for Portable {
     type D4 = [f64; 4];
 
     #[inline(always)]
-    fn from_array(self, from: &[f64; 4]) -> Self::D4 {
+    fn load_f64(self, from: &[f64; 4]) -> Self::D4 {
         *from
     }
 
     #[inline(always)]
-    fn to_array(self, a: Self::D4) -> [f64; 4] {
+    fn store_f64(self, a: Self::D4) -> [f64; 4] {
         a
     }
 
@@ -337,7 +337,7 @@ impl Exact for Portable {
     type U4 = [u64; 4];
 
     #[inline(always)]
-    fn from_words(self, from: &[u64; 4]) -> Self::U4 {
+    fn load_u64(self, from: &[u64; 4]) -> Self::U4 {
         *from
     }
 

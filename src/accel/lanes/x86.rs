@@ -178,12 +178,12 @@ macro_rules! one_register_of_f64 {
             type D4 = __m256d;
 
             #[inline(always)]
-            fn from_array(self, from: &[f64; 4]) -> Self::D4 {
+            fn load_f64(self, from: &[f64; 4]) -> Self::D4 {
                 unsafe { _mm256_loadu_pd(from.as_ptr()) }
             }
 
             #[inline(always)]
-            fn to_array(self, a: Self::D4) -> [f64; 4] {
+            fn store_f64(self, a: Self::D4) -> [f64; 4] {
                 let mut out = [0.0; 4];
                 unsafe { _mm256_storeu_pd(out.as_mut_ptr(), a) };
                 out
@@ -242,7 +242,7 @@ macro_rules! one_register_of_f64 {
             type U4 = __m256i;
 
             #[inline(always)]
-            fn from_words(self, from: &[u64; 4]) -> Self::U4 {
+            fn load_u64(self, from: &[u64; 4]) -> Self::U4 {
                 unsafe { _mm256_loadu_si256(from.as_ptr().cast()) }
             }
 
@@ -296,13 +296,13 @@ impl Exact for Sse2 {
     type D4 = [__m128d; 2];
 
     #[inline(always)]
-    fn from_array(self, from: &[f64; 4]) -> Self::D4 {
+    fn load_f64(self, from: &[f64; 4]) -> Self::D4 {
         let [low, high] = [&from[..2], &from[2..]];
         unsafe { [_mm_loadu_pd(low.as_ptr()), _mm_loadu_pd(high.as_ptr())] }
     }
 
     #[inline(always)]
-    fn to_array(self, a: Self::D4) -> [f64; 4] {
+    fn store_f64(self, a: Self::D4) -> [f64; 4] {
         let mut out = [0.0; 4];
         unsafe {
             _mm_storeu_pd(out[..2].as_mut_ptr(), a[0]);
@@ -364,7 +364,7 @@ impl Exact for Sse2 {
     type U4 = [__m128i; 2];
 
     #[inline(always)]
-    fn from_words(self, from: &[u64; 4]) -> Self::U4 {
+    fn load_u64(self, from: &[u64; 4]) -> Self::U4 {
         let [low, high] = [&from[..2], &from[2..]];
         unsafe {
             [

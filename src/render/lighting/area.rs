@@ -12,6 +12,12 @@ use crate::{
 /// How many points of a light are looked at together.
 const LANES: usize = 4;
 
+/// Of each point the unit vector to it, its distance, and the light's share.
+type Points = [(DVec3, f64, f64); LANES];
+
+/// The lanes of three channels or coordinates.
+type Channels = [[f64; LANES]; 3];
+
 /// Points towards which shadow rays go, looked at together.
 #[derive(Clone, Copy)]
 pub(super) struct Samples<L: Exact> {
@@ -46,7 +52,7 @@ impl<L: Exact> Samples<L> {
 
     /// The unit vector towards each point, its distance, and the light's share.
     #[inline(always)]
-    pub(super) fn each(&self) -> [(DVec3, f64, f64); LANES] {
+    pub(super) fn each(&self) -> Points {
         let [x, y, z] = three_arrays(self.direction);
         let (distance, share) = (self.distance.to_array(), self.share.to_array());
         std::array::from_fn(|i| (DVec3::new(x[i], y[i], z[i]), distance[i], share[i]))
@@ -66,7 +72,7 @@ fn fall_off<L: Exact>(lanes: L, attenuation: &Attenuation, distance: Four<L>, ce
 
 /// The lanes of three coordinates or channels. (What maps an array calls a function, which costs more than all of this.)
 #[inline(always)]
-pub(super) fn three_arrays<L: Exact>([a, b, c]: [Four<L>; 3]) -> [[f64; LANES]; 3] {
+pub(super) fn three_arrays<L: Exact>([a, b, c]: [Four<L>; 3]) -> Channels {
     [a.to_array(), b.to_array(), c.to_array()]
 }
 
@@ -287,12 +293,12 @@ impl Lit<'_> {
         sum: &mut Color,
         few: &FewObstacles,
         [lit, misses, stops]: [u32; 3],
-        (points, [arriving, response]): (&[(DVec3, f64, f64); LANES], &[[[f64; LANES]; 3]; 2]),
+        (points, [arriving, response]): (&Points, &[Channels; 2]),
         observer: &mut O,
     ) {
         let is = |bits: u32, i: usize| bits >> i & 1 == 1;
         for (i, (towards, distance, _)) in points.iter().enumerate().filter(|(i, _)| is(lit, *i)) {
-            let at = |[r, g, b]: &[[f64; LANES]; 3]| Color::new(r[i], g[i], b[i]);
+            let at = |[r, g, b]: &Channels| Color::new(r[i], g[i], b[i]);
             let (probe, reach) = self.shadow_ray(*towards, *distance);
             let visible = if is(misses, i) {
                 Color::ONE
