@@ -82,6 +82,18 @@ impl Sphere {
         Some(if t0 <= t1 { (t0, t1) } else { (t1, t0) })
     }
 
+    /// True only where no root is more than `least`, which is more than 0: the ray leaves the sphere, from outside or from
+    /// its surface. Then q in [`Sphere::roots`] is at most -b, so one root is at most |c| / b, the other negative. Found
+    /// without a root or a division.
+    #[inline(always)]
+    pub(crate) fn is_left(center: DVec3, radius: f64, ray: &Ray, least: f64) -> bool {
+        let f = ray.origin - center;
+        let b = f.dot(ray.dir);
+        let c = f.dot(f) - radius * radius;
+        // Half of it, for the rounding of all these.
+        c.abs() < 0.5 * least * b
+    }
+
     /// Along each axis the center plus or minus the radius times the length of the matrix's row (Quilez, "Bounding box
     /// of an ellipse", 2015, from the support function).
     pub(super) fn bounds_under(&self, to_from_object: &DAffine3) -> Bounds3 {
@@ -125,6 +137,38 @@ mod tests {
         let mut out = Crossings::default();
         sphere.crossings(&Ray::new(origin.into(), dir.into()), &mut out);
         out.as_slice().iter().map(|c| c.t).collect()
+    }
+
+    #[test]
+    fn what_is_left_is_not_met_again() {
+        let mut left = 0;
+        let cases = (0..4000).map(|i| {
+            let x = f64::from(i);
+            let turned = |k: f64| math::sin(k * x + k);
+            let radius = math::pow(10.0, 6.0 * turned(0.7));
+            let center =
+                DVec3::new(turned(1.3), turned(2.1), turned(3.7)) * math::pow(10.0, 3.0 * turned(5.1));
+            let out = DVec3::new(turned(4.3), turned(6.1), turned(7.7)).normalize();
+            let dir = DVec3::new(turned(8.3), turned(9.1), turned(2.7)).normalize();
+            (
+                center,
+                radius,
+                Ray::new(center + out * radius, dir),
+                math::max_abs(center) + radius,
+            )
+        });
+        for (center, radius, ray, scale) in cases {
+            let least = 1e-7 * scale;
+            if Sphere::is_left(center, radius, &ray, least) {
+                left += 1;
+                if let Some((t0, t1)) = Sphere::roots(center, radius, &ray) {
+                    assert!(t0 <= least && t1 <= least, "{center} {radius} {ray:?}: {t0} {t1}");
+                }
+            } else if let Some((_, t1)) = Sphere::roots(center, radius, &ray) {
+                assert!(t1 > 0.0 || (ray.origin - center).dot(ray.dir) < 0.1 * radius);
+            }
+        }
+        assert!((1900..2100).contains(&left), "{left}");
     }
 
     #[test]

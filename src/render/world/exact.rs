@@ -74,11 +74,16 @@ impl<const ANY: bool> Exact<'_, '_, '_, ANY> {
         };
         let index = self.level.triangles.len() as u32 + i;
         let number = self.base + u64::from(index);
+        let probe = self.query.probe;
+        let is_start = probe.starts_on(number);
+        let least = probe.least_beyond_start(number);
+        if is_start && Sphere::is_left(sphere.center, sphere.radius, self.ray, least) {
+            return false;
+        }
         let Some((t0, t1)) = Sphere::roots(sphere.center, sphere.radius, self.ray) else {
             return false;
         };
-        let probe = self.query.probe;
-        let t = if probe.starts_on(number) {
+        let t = if is_start {
             let mut crossings = Crossings::default();
             crossings.push(t0, 0);
             crossings.push(t1, 0);

@@ -488,11 +488,18 @@ impl<'a, 's, C: Census> Walk<'a, 's, C> {
                 }
             }
             Primitive::Sphere(i) => {
-                let sphere = self.level.spheres.get(i as usize);
-                let Some((t0, t1)) = sphere.and_then(|s| Sphere::roots(s.center, s.radius, self.ray)) else {
+                let Some(sphere) = self.level.spheres.get(i as usize) else {
                     return Control::Continue;
                 };
-                if !self.probe.starts_on(number) {
+                let is_start = self.probe.starts_on(number);
+                let least = self.probe.least_beyond_start(number);
+                if is_start && Sphere::is_left(sphere.center, sphere.radius, self.ray, least) {
+                    return Control::Continue;
+                }
+                let Some((t0, t1)) = Sphere::roots(sphere.center, sphere.radius, self.ray) else {
+                    return Control::Continue;
+                };
+                if !is_start {
                     return self.meet(index, number, &[t0, t1], self.probe.t_min);
                 }
                 crossings.push(t0, 0);
