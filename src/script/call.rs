@@ -132,7 +132,7 @@ impl<'c, 'd> Call<'c, 'd> {
         if n <= f64::from(u32::MAX) {
             return n as u32;
         }
-        self.beyond.borrow_mut().push(n.to_string());
+        self.beyond.borrow_mut().push(format!("{n:e}"));
         u32::MAX
     }
 
