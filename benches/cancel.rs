@@ -187,9 +187,14 @@ fn main() {
         script("loop { sphere(0, 0, 0, 1); }"),
     );
     row(
-        "script, one long call",
+        "script, sorting 2 million values",
         none(),
-        script("let a = []; a.pad(2000000, 1); loop { a.sort(); a.reverse(); }"),
+        script("let a = shuffle(linspace(0, 1, 2000000)); loop { a.sort(); a.sort_desc(); }"),
+    );
+    row(
+        "script, sorting them by a function of its own",
+        none(),
+        script("let a = shuffle(linspace(0, 1, 2000000)); loop { a.sort(|x, y| x < y); a.reverse(); }"),
     );
     let (positions, triangles) = waves(708);
     let mut obj = String::new();

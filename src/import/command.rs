@@ -11,8 +11,8 @@ use crate::{
 /// One command with its values as they stand in the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Command<'a> {
-    Size(u32, u32),
-    MaxDepth(u32),
+    Size(u64, u64),
+    MaxDepth(u64),
     Output(&'a str),
     Camera {
         eye: DVec3,
@@ -227,9 +227,8 @@ impl<'a> Values<'_, 'a> {
         Ok(DVec3::new(self.number()?, self.number()?, self.number()?))
     }
 
-    /// A count; what is beyond u32 is beyond every limit too.
-    fn whole(&mut self) -> Result<u32, Diagnostic> {
-        Ok(u32::try_from(self.read(whole)?).unwrap_or(u32::MAX))
+    fn whole(&mut self) -> Result<u64, Diagnostic> {
+        self.read(whole)
     }
 
     fn indices(&mut self) -> Result<[usize; 3], Diagnostic> {

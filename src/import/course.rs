@@ -2,7 +2,7 @@
 
 use super::{
     command::Command,
-    text::{Source, counted, lines},
+    text::{Source, counted, lines, words},
 };
 use crate::{
     diag::{Code, Diagnostic, ErrorKind, SourceLoc},
@@ -104,8 +104,10 @@ impl Loader<'_, '_> {
                 column: u16::try_from(column).unwrap_or(u16::MAX),
                 file: self.file,
             });
-            self.run(command)
-                .map_err(|error| self.source.place(error.into(), word))?;
+            self.run(command).map_err(|fault| {
+                let value = fault.value.and_then(|place| words(line).nth(1 + place));
+                self.source.place(fault.error.into(), value.unwrap_or(word))
+            })?;
         }
         self.builder.set_loc(SourceLoc {
             file: self.file,
@@ -133,14 +135,18 @@ impl Loader<'_, '_> {
         Ok(())
     }
 
-    fn run(&mut self, command: Command<'_>) -> Result<(), SceneError> {
+    fn run(&mut self, command: Command<'_>) -> Result<(), Fault> {
         let builder = &mut *self.builder;
         match command {
             Command::Size(width, height) => {
                 self.has_size = true;
-                builder.size(width, height)?;
+                builder
+                    .size(within(width), within(height))
+                    .map_err(|error| as_given(error, &[width, height]))?;
             }
-            Command::MaxDepth(n) => builder.max_depth(n)?,
+            Command::MaxDepth(n) => builder
+                .max_depth(within(n))
+                .map_err(|error| as_given(error, &[n]))?,
             Command::Output(name) => self.course.output = Some(name.to_owned()),
             Command::Camera { eye, at, up, fovy } => {
                 self.has_camera = true;
@@ -151,12 +157,11 @@ impl Loader<'_, '_> {
             Command::Vertex(position) => self.vertices.push(position),
             Command::VertexNormal(position, normal) => self.smooth_vertices.push((position, normal)),
             Command::Tri(indices) => {
-                let [a, b, c] = indices.map(|i| listed(&self.vertices, i, "vertex"));
-                builder.triangle([a?, b?, c?], None)?;
+                let [a, b, c] = each(indices, |i| listed(&self.vertices, i, "vertex"))?;
+                builder.triangle([a, b, c], None)?;
             }
             Command::TriNormal(indices) => {
-                let [a, b, c] = indices.map(|i| smooth(&self.smooth_vertices, i));
-                let [a, b, c] = [a?, b?, c?];
+                let [a, b, c] = each(indices, |i| smooth(&self.smooth_vertices, i))?;
                 builder.triangle([a.0, b.0, c.0], Some([a.1, b.1, c.1]))?;
             }
             Command::Translate(by) => builder.translate(by)?,
@@ -181,6 +186,44 @@ impl Loader<'_, '_> {
         }
         Ok(())
     }
+}
+
+/// What is wrong with a command, and which of its values is to blame, where one is.
+struct Fault {
+    error: SceneError,
+    value: Option<usize>,
+}
+
+impl From<SceneError> for Fault {
+    fn from(error: SceneError) -> Self {
+        Self { error, value: None }
+    }
+}
+
+/// A count as the builder takes it; what is beyond is refused by every limit.
+fn within(count: u64) -> u32 {
+    u32::try_from(count).unwrap_or(u32::MAX)
+}
+
+/// What the builder says of counts, with those that the file has in place of those that it was told.
+fn as_given(mut error: SceneError, counts: &[u64]) -> SceneError {
+    for count in counts.iter().filter(|count| **count > u64::from(u32::MAX)) {
+        let told = u32::MAX.to_string();
+        error.message = error.message.replacen(&told, &count.to_string(), 1);
+    }
+    error
+}
+
+/// What is listed under the numbers of three vertices.
+fn each<T>(indices: [usize; 3], listed: impl Fn(usize) -> Result<T, SceneError>) -> Result<[T; 3], Fault> {
+    let [a, b, c] = indices;
+    let at = |place: usize, index: usize| {
+        listed(index).map_err(|error| Fault {
+            error,
+            value: Some(place),
+        })
+    };
+    Ok([at(0, a)?, at(1, b)?, at(2, c)?])
 }
 
 /// Entry `index` of the list that the command `what` fills.
@@ -209,7 +252,8 @@ fn listed<T: Copy>(list: &[T], index: usize, what: &str) -> Result<T, SceneError
 fn smooth(list: &[(DVec3, DVec3)], index: usize) -> Result<(DVec3, DVec3), SceneError> {
     let vertex = listed(list, index, "vertexnormal")?;
     if vertex.1 == DVec3::ZERO {
-        return Err(malformed(format!("the normal of vertexnormal {index} is zero")));
+        let error = malformed(format!("the normal of vertexnormal {index} is zero"));
+        return Err(error.hint("a normal is a direction: vertexnormal x y z nx ny nz"));
     }
     Ok(vertex)
 }

@@ -120,7 +120,9 @@ impl<'a, 's> Soup<'a, 's> {
     fn finish(self, source: &Source<'_>) -> Result<Checked<'a>, Diagnostic> {
         if self.checked.faces.is_empty() {
             let error = Diagnostic::error(ErrorKind::Input, "the file has no triangles");
-            return Err(error.at(source.name, 0, 0));
+            let hint =
+                "expected at least one facet; a program that exports nothing selected writes such files";
+            return Err(error.at(source.name, 0, 0).hint(hint));
         }
         Ok(self.checked)
     }
@@ -132,7 +134,8 @@ fn binary<'a>(source: &Source<'a>, bytes: &[u8], assets: &Assets<'_>) -> Result<
         return Err(error(format!(
             "it is no STL file: expected 'solid' or a header of {HEADER} bytes, found {}",
             counted(bytes.len(), "byte", "bytes")
-        )));
+        ))
+        .hint("the file is cut off, or it is no STL file"));
     };
     let body = bytes.get(HEADER..).unwrap_or(&[]);
     let (triangles, _) = body.as_chunks::<TRIANGLE>();
@@ -162,7 +165,8 @@ fn binary<'a>(source: &Source<'a>, bytes: &[u8], assets: &Assets<'_>) -> Result<
                 return Err(error(format!(
                     "expected a number within 1e15, found {x} at byte {at}, in triangle {} of {count}",
                     i + 1
-                )));
+                ))
+                .hint("the file is damaged; export it again"));
             }
         }
         soup.add(corners, source.text)?;
@@ -188,31 +192,35 @@ fn ascii<'a>(source: &Source<'a>, assets: &Assets<'_>) -> Result<Checked<'a>, Di
         match (word.to_ascii_lowercase().as_str(), open) {
             // Names may hold anything, and so may what some write between.
             ("solid" | "endsolid", None) => {}
-            ("facet", None) => open = Some(line),
+            ("facet", None) => open = Some(word),
             ("outer", Some(_)) | ("endloop", Some(_)) => {}
             ("vertex", Some(_)) => {
                 let mut p = [0.0; 3];
                 for slot in &mut p {
-                    let Some(word) = words.next() else {
-                        return Err(source.error(line, "vertex takes 3 numbers (x y z)"));
+                    let Some(next) = words.next() else {
+                        let given = line.split_ascii_whitespace().count() - 1;
+                        let message = format!("vertex takes 3 numbers (x y z), not {given}");
+                        return Err(source.error(word, message).hint("write: vertex x y z"));
                     };
-                    *slot = number(word).map_err(|message| source.error(word, message))?;
+                    *slot = number(next).map_err(|message| source.error(next, message))?;
                 }
-                if let Some(word) = words.next() {
-                    return Err(source.error(
-                        word,
-                        format!("vertex takes 3 numbers, found {} too", quoted(word)),
-                    ));
+                if let Some(surplus) = words.next() {
+                    let message = format!("vertex takes 3 numbers (x y z), found {} too", quoted(surplus));
+                    return Err(source.error(surplus, message).hint("write: vertex x y z"));
                 }
                 if corners.len() == 3 {
-                    return Err(source.error(line, "a facet has 3 vertices, this is the fourth"));
+                    let error = source.error(word, "a facet has 3 vertices, this is the fourth");
+                    return Err(
+                        error.hint("STL has triangles only: cut the polygon, a facet for each triangle")
+                    );
                 }
                 corners.push(DVec3::from_array(p));
             }
             ("endfacet", Some(at)) => {
                 let [a, b, c] = corners[..] else {
-                    let n = corners.len();
-                    return Err(source.error(line, format!("a facet has 3 vertices, this one {n}")));
+                    let message = format!("a facet has 3 vertices, this one {}", corners.len());
+                    let hint = "write 'vertex x y z' three times before endfacet";
+                    return Err(source.error(word, message).hint(hint));
                 };
                 soup.add([a, b, c], at).map_err(|error| match error.kind {
                     ErrorKind::Limit => source.place(error, at),
@@ -231,7 +239,8 @@ fn ascii<'a>(source: &Source<'a>, assets: &Assets<'_>) -> Result<Checked<'a>, Di
         }
     }
     if let Some(at) = open {
-        return Err(source.error(at, "the file ends in this facet"));
+        let error = source.error(at, "the file ends in this facet: expected endfacet");
+        return Err(error.hint("the file is cut off"));
     }
     soup.finish(source)
 }
@@ -332,7 +341,7 @@ mod tests {
         let cut = text.rfind("endloop").unwrap();
         assert_eq!(
             message(&text.as_bytes()[..cut]),
-            (9, "the file ends in this facet".to_owned())
+            (9, "the file ends in this facet: expected endfacet".to_owned())
         );
         let twice = text.replacen("endloop\r\n", "vertex 1 2 3\r\n", 1);
         assert_eq!(

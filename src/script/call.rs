@@ -1,7 +1,7 @@
 //! Arguments of a scene function: from Rhai's values to numbers, vectors, colors and terms, with errors that
 //! name the function and the parameter.
 
-use std::sync::Arc;
+use std::{cell::RefCell, sync::Arc};
 
 use rhai::{Array, Dynamic, ImmutableString, Map};
 
@@ -22,6 +22,8 @@ pub(crate) struct Call<'c, 'd> {
     pub(crate) entry: &'static Entry,
     args: &'c [&'d mut Dynamic],
     next: usize,
+    /// Counts that were given and are beyond `u32`, in order.
+    beyond: RefCell<Vec<String>>,
 }
 
 /// A color, or a texture times a color.
@@ -33,7 +35,12 @@ pub(crate) struct TermValue {
 
 impl<'c, 'd> Call<'c, 'd> {
     pub(crate) fn new(entry: &'static Entry, args: &'c [&'d mut Dynamic]) -> Self {
-        Self { entry, args, next: 0 }
+        Self {
+            entry,
+            args,
+            next: 0,
+            beyond: RefCell::default(),
+        }
     }
 
     /// How many arguments were given.
@@ -103,13 +110,40 @@ impl<'c, 'd> Call<'c, 'd> {
         }
     }
 
-    /// A whole number not below `least`; what exceeds `u32` becomes its maximum, which every limit refuses.
+    /// A whole number not below `least`, [within](Call::within) `u32`.
     pub(crate) fn count(&mut self, name: &str, least: u32) -> Outcome<u32> {
         let n = self.int(name)?;
         if n < i64::from(least) {
             return Err(self.error(format!("{name} must be at least {least}, not {n}")));
         }
-        Ok(u32::try_from(n).unwrap_or(u32::MAX))
+        Ok(self.within(n))
+    }
+
+    /// A count as `u32`: what exceeds it becomes its maximum, which every limit refuses.
+    pub(crate) fn within(&self, n: i64) -> u32 {
+        u32::try_from(n).unwrap_or_else(|_| {
+            self.beyond.borrow_mut().push(n.to_string());
+            u32::MAX
+        })
+    }
+
+    /// As [`Call::within`], for a count that came as a float without a fraction.
+    pub(crate) fn within_float(&self, n: f64) -> u32 {
+        if n <= f64::from(u32::MAX) {
+            return n as u32;
+        }
+        self.beyond.borrow_mut().push(format!("{n:e}"));
+        u32::MAX
+    }
+
+    /// What the function says of a count, with the number that was given in place of the one that it was told.
+    #[cold]
+    pub(super) fn as_given(&self, mut error: Box<ScriptError>) -> Box<ScriptError> {
+        let told = u32::MAX.to_string();
+        for given in self.beyond.borrow().iter() {
+            error.message = error.message.replacen(&told, given, 1);
+        }
+        error
     }
 
     /// A vector of finite numbers, or three of them.

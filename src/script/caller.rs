@@ -5,7 +5,7 @@
 
 use std::cell::Cell;
 
-use rhai::{Dynamic, EvalAltResult, FnPtr, FuncArgs, NativeCallContext};
+use rhai::{Dynamic, EvalAltResult, FnPtr, FuncArgs, NativeCallContext, Position};
 
 use super::{
     session::{State, with_state},
@@ -43,6 +43,16 @@ impl From<SceneError> for Failure {
     }
 }
 
+impl Failure {
+    /// As the engine carries it, at the place of the call.
+    pub(super) fn raise(self, source: Option<&str>, place: Position) -> Box<EvalAltResult> {
+        match self {
+            Self::Said(error) => error.raise_in(source, place),
+            Self::Raised(error) => error,
+        }
+    }
+}
+
 /// The call of such a function.
 pub(crate) struct Caller<'a, 'c> {
     ctx: &'a NativeCallContext<'c>,
@@ -72,10 +82,7 @@ impl<'a, 'c> Caller<'a, 'c> {
             })
             .map_err(Failure::Said)
             .and_then(|()| work(self));
-        result.map_err(|failure| match failure {
-            Failure::Said(error) => error.raise_in(self.ctx.call_source(), place),
-            Failure::Raised(error) => error,
-        })
+        result.map_err(|failure| failure.raise(self.ctx.call_source(), place))
     }
 
     /// Looks at the run.

@@ -191,7 +191,7 @@ fn invoke(entry: &'static Entry, ctx: &NativeCallContext<'_>, args: &mut [&mut D
         Run::Calling(run) => return Caller::new(ctx).run(|caller| run(&mut call, caller)),
         Run::Syntax => Err(internal("a block called as a function")),
     };
-    result.map_err(|e| e.raise_in(ctx.call_source(), ctx.call_position()))
+    result.map_err(|e| call.as_given(e).raise_in(ctx.call_source(), ctx.call_position()))
 }
 
 /// Whether a value is as large as the script likes.

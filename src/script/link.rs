@@ -22,8 +22,9 @@ use crate::{
     scene::Scene,
 };
 
-/// How often the host is asked whether to stop while the script keeps to itself.
-const POLL: Duration = Duration::from_millis(5);
+/// How often the host is asked whether to stop while the script keeps to itself. What is left of the 20 ms in which a run
+/// ends is for freeing what it has made.
+const POLL: Duration = Duration::from_millis(2);
 
 /// What rendering gives.
 pub(crate) type RenderResult = Result<Report<Rendered>, Error>;

@@ -328,17 +328,19 @@ impl Script {
             ..
         } = state;
         warnings.extend(builder.take_warnings());
-        let report = builder.finish();
         let context = errors::Context {
             sources: &sources,
             limits: &self.limits,
             language: &self.language,
             ast: Some(&self.ast),
         };
-        let failed = result.err().map(|e| errors::of_run(&e, &context));
-        // What looks wrong about a scene that was never finished says nothing.
-        if failed.is_none() {
-            warnings.extend(report.warnings);
+        let mut finished = match result {
+            Ok(()) => Ok(builder.finish()),
+            // What looks wrong about a scene that was never finished says nothing.
+            Err(e) => Err(errors::of_run(&e, &context)),
+        };
+        if let Ok(report) = &mut finished {
+            warnings.append(&mut report.warnings);
             if options.lint {
                 let wrong = lint::unknown_calls(&self.ast, self.name(), &context);
                 warnings.extend(wrong.into_iter().map(Diagnostic::as_warning));
@@ -351,8 +353,8 @@ impl Script {
                 *warning = warning.clone().with_source(&source.text);
             }
         }
-        match failed {
-            Some(diagnostic) => Err(Error {
+        match finished {
+            Err(diagnostic) => Err(Error {
                 more: match diagnostic.kind {
                     ErrorKind::Script => lint::others(&self.ast, &diagnostic, self.name(), &context),
                     _ => Vec::new(),
@@ -360,7 +362,7 @@ impl Script {
                 diagnostic: Box::new(diagnostic),
                 warnings,
             }),
-            None => Ok(Report {
+            Ok(report) => Ok(Report {
                 value: Run {
                     files: assets.files_of(&report.value),
                     scene: report.value,

@@ -11,7 +11,7 @@ use super::{
     cells,
     link::Flags,
     session::{State, limit, with_state},
-    value::ScriptError,
+    value::{Outcome, ScriptError},
 };
 use crate::{diag::ErrorKind, host::Host, limits::Limits, meter};
 
@@ -48,7 +48,7 @@ thread_local! {
 /// host's wish, a used-up budget. Every few hundred steps it looks at all of them; at the time and the wish also where
 /// the caller's thread says that milliseconds have passed meanwhile, for a step may be the call of a function that takes
 /// as long. What ends a run once ends it for good, also where Rhai passes over an error, as
-/// it does in the comparisons of a sort.
+/// it does where it turns values into text.
 ///
 /// Steps are counted here: Rhai forgets those of closures that its own functions call.
 pub(super) fn watch(
@@ -100,6 +100,68 @@ fn out_of_time(state: &State) -> Option<Box<ScriptError>> {
     } else {
         None
     }
+}
+
+/// Work of a long call between two looks at whether it is to go on, counted in the cheapest things it does: a hundred
+/// microseconds or so.
+pub(super) const PIECE: usize = 4096;
+
+/// What a call of one of the language's functions has left to do before it looks whether to go on. Such a call is a
+/// single step, so that nobody else would look.
+pub(super) struct Work {
+    left: usize,
+}
+
+impl Work {
+    pub(super) fn new() -> Self {
+        Self { left: PIECE }
+    }
+
+    /// Counts what was done.
+    ///
+    /// # Errors
+    /// Where the run is to end, for good.
+    #[inline]
+    pub(super) fn done(&mut self, much: usize) -> Outcome<()> {
+        if much < self.left {
+            self.left -= much;
+            return Ok(());
+        }
+        self.left = PIECE;
+        with_state(goes_on).unwrap_or(Ok(()))
+    }
+
+    /// As [`Work::done`], for what works on the state of the run.
+    #[inline]
+    pub(super) fn done_in(&mut self, state: &mut State, much: usize) -> Outcome<()> {
+        if much < self.left {
+            self.left -= much;
+            return Ok(());
+        }
+        self.left = PIECE;
+        goes_on(state)
+    }
+}
+
+/// The error that ends the run for its time or the host's wish, or has ended it.
+#[cold]
+fn goes_on(state: &mut State) -> Outcome<()> {
+    state.ended = state.ended.take().or_else(|| out_of_time(state));
+    match state.ended.clone() {
+        Some(ended) => {
+            look_at_each_step();
+            Err(ended)
+        }
+        None => Ok(()),
+    }
+}
+
+/// The error that has ended the run, for what would pass over errors of the functions it calls.
+#[cold]
+pub(super) fn ended() -> Outcome<()> {
+    with_state(|state| state.ended.clone())
+        .flatten()
+        .map_or(Ok(()), Err)
 }
 
 /// Makes every further step a look, which counts the same steps as the next one would have.

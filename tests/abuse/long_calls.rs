@@ -1,9 +1,15 @@
 //! Calls over the largest values that strangers may make, one after the other without end: a script ends soon after its
 //! time, for it looks at the clock between any two steps once milliseconds have passed, and in whatever takes longer.
 
-use std::time::{Duration, Instant};
+use std::{
+    sync::{
+        Mutex,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::{Duration, Instant},
+};
 
-use rtscript::{Limits, diag::ErrorKind};
+use rtscript::{Host, Limits, diag::ErrorKind, host::HostError};
 
 use crate::{Quiet, run};
 
@@ -25,6 +31,9 @@ const CALLS: &[(&str, &str)] = &[
     (MIXED, "let b = a; b.sort()"),
     (MIXED, "let b = a; b.sort_desc()"),
     (MIXED, "let b = a; b.sort(less)"),
+    (MIXED, "a.order_by(less)"),
+    (MIXED, "let b = a; b.dedup(less)"),
+    (ZEROS, "b.to_string()"),
     (MIXED, "a.reduce(gather)"),
     (MIXED, "zip(a.extract(0, 3000), a)"),
     (MIXED, "a.to_string()"),
@@ -54,6 +63,7 @@ const MIXED: &str = "fn less(x, y) { x - y }
     let a = []; for i in 0..9000 { a.push(i * 7919 % 9001); }";
 const LONG_TEXT: &str = "let s = \"a\"; s.pad(60000, \"a\");";
 const SPACES: &str = "let s = \" \"; s.pad(9000, \" \");";
+const ZEROS: &str = "let b = blob(9000, 0);";
 const WIDE_MAP: &str = "let m = #{}; for i in 0..900 { m[`k${i}`] = i; }";
 const COMB: &str = "let a = [[2.4, -1, 0], [0, -1, 0]]; for i in 0..2400 { a.push([i * 0.001, i % 2, 0]); }";
 const BUBBLES: &str = "let f = sdfSphere(0.5); for i in 0..60 { f = f.smoothUnion(sdfSphere(0.5).moved(i * 0.01, 0, 0), 0.1); }";
@@ -81,5 +91,83 @@ fn no_call_keeps_a_script_long_beyond_its_time() {
         // Other work on the machine may delay any one of them.
         let least = (0..5).map(|_| late(values, call)).find(|late| *late < LATE);
         assert!(least.is_some(), "{call} goes on for more than {LATE:?}");
+    }
+}
+
+/// Calls over larger values, each of which takes a good part of a second to its end.
+const LONGER: &[(&str, &str)] = &[
+    (SHUFFLED, "a.sort()"),
+    (SHUFFLED, "a.sort_desc()"),
+    (SHUFFLED, "a.order()"),
+    (SHUFFLED, "let b = a.extract(0, 30000); b.sort(|x, y| x - y)"),
+    (SHUFFLED, "let b = a.extract(0, 30000); b.order_by(|x, y| x < y)"),
+    (SHUFFLED, "a.dedup()"),
+    (SHUFFLED, "a.dedup(|x, y| x == y)"),
+    (SHUFFLED, "a.index_of(-1)"),
+    (SHUFFLED, "a.map(Fn(\"abs\"))"),
+    (NUMBERS, "a.to_string()"),
+    (NUMBERS, "`${a}`"),
+    (A_MILLION, "s.split(\"\")"),
+    (A_MILLION, "s.split_rev('a')"),
+];
+
+const SHUFFLED: &str = "let a = []; for i in 0..300000 { a.push((i * 7919) % 300007); }";
+const NUMBERS: &str = "let a = []; a.pad(140000, 12345);";
+const A_MILLION: &str = "let s = \"a\"; s.pad(1000000, \"a\");";
+
+/// Notes when a call begins, and may want it to stop then.
+struct Watching {
+    stops: bool,
+    begun: Mutex<Option<Instant>>,
+    wants_to_stop: AtomicBool,
+}
+
+impl Host for Watching {
+    fn read(&self, path: &str, max_bytes: u64) -> Result<Vec<u8>, HostError> {
+        Quiet.read(path, max_bytes)
+    }
+
+    fn print(&self, _text: &str) {
+        *self.begun.lock().unwrap() = Some(Instant::now());
+        self.wants_to_stop.store(self.stops, Ordering::Relaxed);
+    }
+
+    fn should_stop(&self) -> bool {
+        self.wants_to_stop.load(Ordering::Relaxed)
+    }
+}
+
+/// From the beginning of a call to the end of its run.
+fn takes(values: &str, call: &str, stops: bool) -> Duration {
+    let mut limits = Limits::default();
+    (limits.operations, limits.script_time) = (u64::MAX, Duration::from_secs(3600));
+    let host = Watching {
+        stops,
+        begun: Mutex::new(None),
+        wants_to_stop: AtomicBool::new(false),
+    };
+    let ended = run(&format!("{values}\nprint(0);\n{call};"), &limits, &host);
+    match ended {
+        Ok(_) => assert!(!stops, "{call} goes on"),
+        Err(e) if stops => assert_eq!(e.kind(), ErrorKind::Cancelled, "{call}: {e}"),
+        Err(e) => panic!("{call}: {e}"),
+    }
+    let begun = host.begun.lock().unwrap().take();
+    begun.unwrap().elapsed()
+}
+
+#[test]
+fn no_call_goes_on_when_its_host_wants_it_to_stop() {
+    for (values, call) in LONGER {
+        let whole = takes(values, call, false);
+        let most = whole / 2;
+        // Other work on the machine may delay any one of them.
+        let least = (0..10)
+            .map(|_| takes(values, call, true))
+            .find(|took| *took < most);
+        assert!(
+            least.is_some(),
+            "{call} takes {whole:?}, and no less when it is to stop"
+        );
     }
 }

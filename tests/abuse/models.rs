@@ -166,6 +166,37 @@ fn every_model_ends_with_what_stopped_it() {
 
 /// Reading a model is one step of the script, and may take minutes: it ends when the script's time does.
 #[test]
+fn a_time_that_is_over_at_once_is_the_limit_that_is_named() {
+    const OVER: &str = "error: the script runs too long: the limit 'script_time' is 1ns";
+    // What has few steps may be done before anybody looks at the time; what has many may not.
+    const SHORT: [&str; 3] = ["", "let a = 1;", "sphere(0, 0, 0, 1);"];
+    const LONG: [&str; 3] = [
+        "let a = 0; while a < 2000 { a += 1; }",
+        "loop { try { loop { } } catch { } }",
+        "let a = []; a.pad(20000, 1); a.sort_desc();",
+    ];
+    let mut limits = Limits::untrusted();
+    limits.array_len = 20_000;
+    limits.script_time = std::time::Duration::from_nanos(1);
+    for (i, script) in SHORT.iter().chain(&LONG).enumerate() {
+        let said = outcome("", script, &limits, &MemoryHost::new());
+        let is_over = said.starts_with("scene.rhai:1:") && said.ends_with(OVER);
+        assert!(
+            is_over || i < SHORT.len() && said == "runs to its end",
+            "{script}: {said}"
+        );
+    }
+    limits.script_time = std::time::Duration::from_secs(3600);
+    for script in SHORT
+        .iter()
+        .chain(LONG.iter().filter(|script| !script.starts_with("loop")))
+    {
+        let said = outcome("", script, &limits, &MemoryHost::new());
+        assert_eq!(said, "runs to its end", "{script}");
+    }
+}
+
+#[test]
 fn the_time_of_a_script_ends_a_model_too() {
     let mut limits = Limits::untrusted();
     limits.script_time = std::time::Duration::from_nanos(1);

@@ -203,7 +203,7 @@ fn limits_hold_for_the_course_too() {
         ),
         (
             "size 1e14 1e14",
-            "a picture of 4294967295 x 4294967295 is too large: the limit 'image_side' is 2048",
+            "a picture of 100000000000000 x 100000000000000 is too large: the limit 'image_side' is 2048",
         ),
         ("maxdepth 65", "65 bounces are too many: the limit 'depth' is 8"),
     ];

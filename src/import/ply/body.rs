@@ -1,10 +1,16 @@
 //! The elements of a PLY file one after the other, as words or as bytes.
 
-use super::header::{Element, Format, Property, Scalar};
+use super::{
+    end_of,
+    header::{Element, Format, Property, Scalar},
+};
 use crate::{
     diag::{Diagnostic, ErrorKind},
     import::text::{Source, number, quoted},
 };
+
+const CUT_OFF: &str = "the file is cut off, or its header has a count that is too large";
+const OTHERWISE: &str = "the file is damaged, or its header says otherwise how it is written";
 
 /// What stands after the header.
 pub(super) enum Body<'a> {
@@ -52,7 +58,7 @@ impl<'a> Body<'a> {
             source,
             lines: Box::new(lines),
             words: Vec::new().into_iter(),
-            line: source.text,
+            line: end_of(&source),
         }
     }
 
@@ -86,12 +92,6 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// An error of the file as a whole.
-    pub(super) fn nowhere(&self, message: String) -> Diagnostic {
-        let (Self::Text { source, .. } | Self::Bytes { source, .. }) = self;
-        Diagnostic::error(ErrorKind::Input, message).at(source.name, 0, 0)
-    }
-
     /// Begins an element: in text it has a line of its own.
     pub(super) fn begin(&mut self, item: Item<'_>) -> Result<(), Diagnostic> {
         if let Self::Text {
@@ -103,8 +103,8 @@ impl<'a> Body<'a> {
         {
             let next = lines.find(|line| !line.trim_ascii().is_empty());
             let Some(next) = next else {
-                let error = Diagnostic::error(ErrorKind::Input, format!("the file ends before {item}"));
-                return Err(error.at(source.name, 0, 0));
+                let error = source.error(line, format!("the file ends behind this line, before {item}"));
+                return Err(error.hint(CUT_OFF));
             };
             *line = next;
             *words = next.split_ascii_whitespace().collect::<Vec<_>>().into_iter();
@@ -134,7 +134,8 @@ impl<'a> Body<'a> {
             } => {
                 let Some(word) = words.next() else {
                     let message = format!("{item} has no value for {}", quoted(name));
-                    return Err(source.error(line, message));
+                    let hint = "each line has the values of one element, in the order of its properties";
+                    return Err(source.error(line, message).hint(hint));
                 };
                 number(word).map_err(|message| source.error(word, message))
             }
@@ -147,14 +148,16 @@ impl<'a> Body<'a> {
                 let value = bytes.get(*at..).and_then(|rest| scalar(rest, kind, *is_big));
                 let Some(value) = value else {
                     let message = format!("the file ends at byte {}, in {item}", bytes.len());
-                    return Err(Diagnostic::error(ErrorKind::Input, message).at(source.name, 0, 0));
+                    let error = Diagnostic::error(ErrorKind::Input, message).at(source.name, 0, 0);
+                    return Err(error.hint(CUT_OFF));
                 };
                 if !(value.abs() <= 1e15) {
                     let message = format!(
-                        "expected a number within 1e15 for {}, found {value} at byte {at}",
+                        "expected a number within 1e15 for {} in {item}, found {value} at byte {at}",
                         quoted(name)
                     );
-                    return Err(Diagnostic::error(ErrorKind::Input, message).at(source.name, 0, 0));
+                    let error = Diagnostic::error(ErrorKind::Input, message).at(source.name, 0, 0);
+                    return Err(error.hint(OTHERWISE));
                 }
                 *at += kind.size();
                 Ok(value)
@@ -182,9 +185,13 @@ impl<'a> Body<'a> {
         }
         if value > room as f64 {
             let name = quoted(&property.name);
-            return Err(self.error(format!(
+            let error = self.error(format!(
                 "{name} in {item} is to have {value} numbers, but there are at most {room}"
-            )));
+            ));
+            return Err(match self {
+                Self::Text { .. } => error.hint("a list begins with how many numbers it has"),
+                Self::Bytes { .. } => error.hint(OTHERWISE),
+            });
         }
         Ok(value as usize)
     }

@@ -169,7 +169,10 @@ impl Header {
                 ["property", rest @ ..] => {
                     let property = property(source, line, rest)?;
                     let Some(element) = elements.last_mut() else {
-                        return Err(source.error(line, "a property without an element before it"));
+                        let error = source.error(line, "a property without an element before it");
+                        return Err(error.hint(
+                            "write: element vertex, with the number of vertices, before their properties",
+                        ));
                     };
                     if element.find(&[&property.name]).is_some() {
                         let message = format!("property {} is there twice", quoted(&property.name));
@@ -193,7 +196,8 @@ impl Header {
                 return Err(source.error(line, format!("the header has more than {MOST_PARTS} lines")));
             }
         }
-        Err(source.error(last, "the header has no line 'end_header'"))
+        let error = source.error(last, "the header has no line 'end_header'");
+        Err(error.hint("write it behind the last property; the elements follow"))
     }
 }
 

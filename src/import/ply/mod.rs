@@ -105,7 +105,6 @@ impl Channels {
     /// # Errors
     /// Where one of them is missing.
     fn of(element: &Element, source: &Source<'_>) -> Result<Option<Self>, Diagnostic> {
-        let error = |message: String| Diagnostic::error(ErrorKind::Input, message).at(source.name, 0, 0);
         let found = COLOR.map(|names| element.find(names));
         let [Some(r), Some(g), Some(b)] = found else {
             let missing = COLOR.iter().zip(found).find(|(_, place)| place.is_none());
@@ -113,10 +112,15 @@ impl Channels {
             let first = first.and_then(|place| element.properties.get(place));
             return match (missing.and_then(|(names, _)| names.first()), first) {
                 // A property r may be a radius.
-                (Some(name), Some(first)) if first.name.len() > 1 => Err(error(format!(
-                    "the vertices have a property {}, but none called '{name}'; a color takes red, green and blue",
-                    quoted(&first.name)
-                ))),
+                (Some(name), Some(first)) if first.name.len() > 1 => {
+                    let message = format!(
+                        "the vertices have a property {}, but none called '{name}'; a color takes red, green and blue",
+                        quoted(&first.name)
+                    );
+                    let line = declared(source, element, Some(&first.name));
+                    let hint = format!("add a property '{name}', or leave out the others of the color");
+                    Err(source.error(line, message).hint(hint))
+                }
                 _ => Ok(None),
             };
         };
@@ -149,8 +153,13 @@ impl Columns {
     fn of(element: &Element, source: &Source<'_>) -> Result<Self, Diagnostic> {
         let [x, y, z] = POSITION.map(|names| element.find(names));
         let (Some(x), Some(y), Some(z)) = (x, y, z) else {
-            let error = Diagnostic::error(ErrorKind::Input, "the vertices have no properties x, y and z");
-            return Err(error.at(source.name, 0, 0));
+            let error = source.error(
+                declared(source, element, None),
+                "the vertices have no properties x, y and z",
+            );
+            return Err(
+                error.hint("expected the lines: property float x, property float y, property float z")
+            );
         };
         let normal = match NORMAL.map(|names| element.find(names)) {
             [Some(x), Some(y), Some(z)] => Some([x, y, z]),
@@ -175,7 +184,8 @@ impl Columns {
                 "the vertices' property {} is a list; expected a number",
                 quoted(&list.name)
             );
-            return Err(Diagnostic::error(ErrorKind::Input, message).at(source.name, 0, 0));
+            let error = source.error(declared(source, element, Some(&list.name)), message);
+            return Err(error.hint(format!("write: property float {}", list.name)));
         }
         Ok(Self {
             position,
@@ -186,6 +196,28 @@ impl Columns {
     }
 }
 
+/// The line of the header that declares an element, or a property of it.
+fn declared<'a>(source: &Source<'a>, element: &Element, property: Option<&str>) -> &'a str {
+    let mut lines = lines(source.text);
+    let begins = |line: &&str| {
+        let mut words = line.split_ascii_whitespace();
+        words.next() == Some("element") && words.next() == Some(element.name.as_str())
+    };
+    let line = lines.find(begins).unwrap_or(source.text);
+    let Some(property) = property else {
+        return line;
+    };
+    let is_it = |line: &&str| line.split_ascii_whitespace().next_back() == Some(property);
+    lines.find(is_it).unwrap_or(line)
+}
+
+/// The line that ends the header.
+fn end_of<'a>(source: &Source<'a>) -> &'a str {
+    let mut lines = lines(source.text);
+    let end = lines.find(|line| line.trim_ascii() == "end_header");
+    end.unwrap_or(source.text)
+}
+
 fn elements<'a>(
     source: &Source<'a>,
     header: &Header,
@@ -193,14 +225,20 @@ fn elements<'a>(
     assets: &Assets<'_>,
     builder: &mut Builder,
 ) -> Result<Mesh, Diagnostic> {
-    let nowhere = |message: &str| Diagnostic::error(ErrorKind::Input, message).at(source.name, 0, 0);
     let vertices = header.elements.iter().find(|e| e.name == "vertex");
     let Some(vertices) = vertices else {
-        return Err(nowhere("the file has no element 'vertex'"));
+        let error = source.error(end_of(source), "the file has no element 'vertex'");
+        return Err(error
+            .hint("expected the line 'element vertex' with their number, and their properties x, y and z"));
     };
     let is_faces = |e: &&Element| matches!(e.name.as_str(), "face" | "tristrips") && e.count > 0;
     if !header.elements.iter().any(|e| is_faces(&e)) {
-        let error = nowhere("the file has no faces");
+        let empty = header
+            .elements
+            .iter()
+            .find(|e| matches!(e.name.as_str(), "face" | "tristrips"));
+        let line = empty.map_or_else(|| end_of(source), |e| declared(source, e, None));
+        let error = source.error(line, "the file has no faces");
         return Err(
             error.hint("a mesh is made of an element 'face' with vertex_indices; points alone are not drawn")
         );
@@ -217,7 +255,7 @@ fn elements<'a>(
     for element in header.elements.iter().filter(|e| !e.properties.is_empty()) {
         match element.name.as_str() {
             "vertex" => reader.vertices(&mut body, element, &columns)?,
-            "face" | "tristrips" => reader.faces(&mut body, element)?,
+            "face" | "tristrips" => reader.faces(source, &mut body, element)?,
             _ => {
                 for index in 0..element.count {
                     reader.ask(index)?;
@@ -290,12 +328,18 @@ impl<'a> Reader<'a, '_> {
         Ok(())
     }
 
-    fn faces(&mut self, body: &mut Body<'a>, element: &Element) -> Result<(), Diagnostic> {
+    fn faces(
+        &mut self,
+        source: &Source<'_>,
+        body: &mut Body<'a>,
+        element: &Element,
+    ) -> Result<(), Diagnostic> {
         let corners = element.find(CORNERS);
         let is_list = |i: &usize| element.properties.get(*i).is_some_and(|p| p.count.is_some());
         let Some(corners) = corners.filter(is_list) else {
-            let what = quoted(&element.name);
-            return Err(body.nowhere(format!("element {what} has no list 'vertex_indices'")));
+            let message = format!("element {} has no list 'vertex_indices'", quoted(&element.name));
+            let error = source.error(declared(source, element, None), message);
+            return Err(error.hint("write: property list uchar int vertex_indices"));
         };
         let is_strip = element.name == "tristrips";
         let mut indices = Vec::new();
@@ -321,7 +365,8 @@ impl<'a> Reader<'a, '_> {
                 self.strips(body, &indices)?;
             } else if indices.len() < 3 {
                 let n = indices.len();
-                return Err(body.error(format!("{item} has {n} corners; expected 3 or more")));
+                let error = body.error(format!("{item} has {n} corners; expected 3 or more"));
+                return Err(error.hint("lines and points are no faces: leave them out"));
             } else {
                 self.face(body, &indices)?;
             }

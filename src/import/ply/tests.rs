@@ -242,13 +242,13 @@ fn wrong_colors_are_refused_with_their_place() {
         (
             "property uchar red\nproperty uchar blue\n".to_owned(),
             "0 0",
-            0,
+            7,
             "the vertices have a property 'red', but none called 'green'; a color takes red, green and blue",
         ),
         (
             rgb("list uchar uchar", names),
             "1 0 1 0 1 0",
-            0,
+            7,
             "the vertices' property 'red' is a list; expected a number",
         ),
     ] {

@@ -117,8 +117,8 @@ fn color_or(call: &Call<'_, '_>, options: &Map, key: &str, default: Color) -> Ou
 /// A whole number of an option.
 fn count_or(call: &Call<'_, '_>, options: &Map, key: &str, default: u32) -> Outcome<u32> {
     let n = number_or(call, options, key, f64::from(default))?;
-    if n.trunc() == n && (0.0..=f64::from(u32::MAX)).contains(&n) {
-        Ok(n as u32)
+    if n.trunc() == n && n >= 0.0 {
+        Ok(call.within_float(n))
     } else {
         Err(call.error(format!("{key} must be a whole number at or above 0, not {n}")))
     }

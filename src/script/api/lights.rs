@@ -94,10 +94,10 @@ fn directional(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
             .hint("for example directional([1, 1, 1], [1, 1, 1], #{ angle: 2, n: 4 })"));
     };
     let n = number_or(call, &options, "n", 4.0)?;
-    let n = if n.trunc() == n && (0.0..1e9).contains(&n) {
-        n as u32
+    let n = if n.trunc() == n && n >= 0.0 {
+        call.within_float(n)
     } else {
-        return Err(call.error(format!("n must be a whole number, not {n}")));
+        return Err(call.error(format!("n must be a whole number of at least 1, not {n}")));
     };
     let sun = Sun::new(direction, call.number_from("angle", angle)?, n)?;
     state.builder.sun(sun, color)?;

@@ -276,10 +276,10 @@ fn place(call: &Call<'_, '_>, placement: &mut Placement, key: &str, value: &Dyna
 /// A whole number that fits; the scene says what it may be.
 fn count(call: &Call<'_, '_>, name: &str, value: &Dynamic) -> Outcome<u32> {
     let x = call.number_from(name, value)?;
-    if x.trunc() != x || !(0.0..=1e9).contains(&x) {
+    if x.trunc() != x || x < 0.0 {
         return Err(call.error(format!("{name} must be a whole number from 1 on, not {x}")));
     }
-    Ok(x as u32)
+    Ok(call.within_float(x))
 }
 
 /// A word that stands for something.

@@ -12,11 +12,13 @@ use rhai::{Array, Dynamic, FuncRegistration, Module};
 
 use super::{int, number, string};
 use crate::{
+    host::Host,
     math::{self, DVec3, PI},
     noise::mix,
     script::{
         call::Call,
         session::State,
+        steps::PIECE,
         table::{Entry, Group, Kind, Param},
         value::Outcome,
     },
@@ -291,7 +293,9 @@ fn pick(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
 
 /// Fisher and Yates, as Durstenfeld wrote it (Algorithm 235, CACM 1964).
 fn shuffle(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
-    draw(call, state, |call, stream| {
+    let host = state.timed_host();
+    let mut stopped = false;
+    let shuffled = draw(call, state, |call, stream| {
         let d = call.any()?;
         call.end()?;
         let list = d.read_lock::<Array>().map(|list| list.clone());
@@ -299,9 +303,17 @@ fn shuffle(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
         for i in (1..list.len()).rev() {
             let j = stream.int_between(0, i as i64);
             list.swap(i, j as usize);
+            if i % PIECE == 0 && host.should_stop() {
+                stopped = true;
+                break;
+            }
         }
         Ok(Dynamic::from(list))
-    })
+    });
+    if stopped {
+        return Err(state.stopped());
+    }
+    shuffled
 }
 
 fn random_stream(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {

@@ -1,6 +1,6 @@
 //! Lists of values.
 
-use rhai::{Array, Dynamic};
+use rhai::{Array, Dynamic, DynamicReadLock};
 
 use super::{int, number};
 use crate::{
@@ -8,6 +8,7 @@ use crate::{
     script::{
         call::{Call, number_of},
         session::{State, limit},
+        steps::Work,
         table::{Entry, Group, Kind, Param},
         value::Outcome,
     },
@@ -66,11 +67,11 @@ fn room(state: &State, n: usize) -> Outcome<()> {
     Ok(())
 }
 
-/// The next argument, an array.
-fn array(call: &mut Call<'_, '_>, name: &str) -> Outcome<Array> {
+/// The next argument, an array, without a copy of it.
+fn array<'c>(call: &mut Call<'c, '_>, name: &str) -> Outcome<DynamicReadLock<'c, Array>> {
     let d = call.any()?;
-    let array = d.read_lock::<Array>().map(|array| array.clone());
-    array.ok_or_else(|| call.wrong_kind(name, "an array", d))
+    d.read_lock::<Array>()
+        .ok_or_else(|| call.wrong_kind(name, "an array", d))
 }
 
 fn linspace(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
@@ -90,8 +91,12 @@ fn zip(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     let (a, b) = (array(call, "a")?, array(call, "b")?);
     call.end()?;
     room(state, a.len().min(b.len()).saturating_mul(3))?;
-    let pairs = a.into_iter().zip(b);
-    let pairs: Array = pairs.map(|(a, b)| Dynamic::from(Array::from([a, b]))).collect();
+    let mut work = Work::new();
+    let mut pairs = Array::with_capacity(a.len().min(b.len()));
+    for (a, b) in a.iter().zip(b.iter()) {
+        work.done_in(state, 8)?;
+        pairs.push(Dynamic::from(Array::from([a.clone(), b.clone()])));
+    }
     Ok(Dynamic::from(pairs))
 }
 
@@ -99,16 +104,22 @@ fn flatten(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     let list = array(call, "list")?;
     call.end()?;
     let mut flat = Array::new();
-    for item in list {
+    let mut work = Work::new();
+    for item in list.iter() {
         match item.read_lock::<Array>() {
             Some(inner) => {
                 room(state, flat.len().saturating_add(inner.len()))?;
-                flat.extend(inner.iter().cloned());
-                continue;
+                for item in inner.iter() {
+                    work.done_in(state, 4)?;
+                    flat.push(item.clone());
+                }
             }
-            None => room(state, flat.len() + 1)?,
+            None => {
+                room(state, flat.len() + 1)?;
+                work.done_in(state, 4)?;
+                flat.push(item.clone());
+            }
         }
-        flat.push(item);
     }
     Ok(Dynamic::from(flat))
 }

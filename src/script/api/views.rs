@@ -369,8 +369,7 @@ fn adaptive(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
                     "{key} must be a whole number of at least {least}, not {n}"
                 )));
             }
-            // What exceeds u32 becomes its maximum, which the limit refuses.
-            Ok(Some(n as u32))
+            Ok(Some(call.within_float(n)))
         };
         adaptive.min = count("min", 2)?.unwrap_or(adaptive.min);
         max = count("max", 2)?;
