@@ -80,6 +80,16 @@ impl<'s> World<'s> {
         Self::compile_with(scene, CUTS, trees, interrupt)
     }
 
+    /// As [`World::compile`], with trees in which no triangle is cut in two: for the benchmark that sets the builder
+    /// beside one that cuts none either.
+    ///
+    /// # Errors
+    /// As [`World::compile`].
+    #[doc(hidden)]
+    pub fn compile_uncut(scene: &'s Scene) -> Result<Self, Error> {
+        Self::compile_with(scene, 0.0, None, &Interrupt::new(&NoHost))
+    }
+
     /// Compiles with at most `cuts` cuts for each triangle, which changes no result, and with the trees that are there
     /// already.
     pub(super) fn compile_with(
