@@ -127,6 +127,16 @@ impl Primitive {
         self.aabb().to_box()
     }
 
+    /// The box around some.
+    #[must_use]
+    pub fn around(all: &[Self]) -> Box32 {
+        let mut around = Aabb::empty();
+        for primitive in all {
+            around.grow(&primitive.aabb());
+        }
+        around.to_box()
+    }
+
     #[inline(always)]
     fn aabb(&self) -> Aabb {
         Aabb {
@@ -404,6 +414,13 @@ impl Summary {
 }
 
 impl Bvh {
+    /// How many primitives there may be of so many when some have been cut.
+    #[must_use]
+    pub fn room(count: usize, kinds: Kinds, cuts: f64) -> usize {
+        let more = (cuts * kinds.triangles.min(count) as f64) as usize;
+        (count + more).min(Child::PLACES_MAX.max(count))
+    }
+
     /// A tree over `primitives`, on the threads of the current pool. The primitives of a leaf are of one kind; the
     /// second value says which stand in each leaf that is a block.
     ///
@@ -426,9 +443,8 @@ impl Bvh {
             return Default::default();
         };
         let count = primitives.len();
-        let room = (cuts * kinds.triangles.min(count) as f64) as usize;
-        if room > 0 {
-            let all = (count + room).min(Child::PLACES_MAX);
+        let all = Self::room(count, kinds, cuts);
+        if all > count {
             primitives.reserve_exact(all - count);
             primitives.resize(all, first);
         }
