@@ -177,17 +177,19 @@ impl Task for Choose<'_> {
             items,
             room,
         } = self;
-        let mut allowed = [[false; 4]; BINS];
-        for axis in 0..3 {
-            let (mut left, mut right) = (0, items);
-            for i in 1..BINS {
-                left += parts.items[0][i - 1][axis];
-                right -= parts.items[1][i - 1][axis];
-                let divides = (1..items).contains(&left) && (1..items).contains(&right);
-                allowed[i][axis] = divides && left + right <= items + room && slabs.divide(axis);
+        let mut forbidden = [[f32::NAN; 4]; BINS];
+        let (mut left, mut right) = ([0; 4], [items; 4]);
+        for (i, forbidden) in forbidden.iter_mut().enumerate().skip(1) {
+            for (axis, forbidden) in forbidden.iter_mut().enumerate().take(3) {
+                left[axis] += parts.items[0][i - 1][axis];
+                right[axis] -= parts.items[1][i - 1][axis];
+                let divides = (1..items).contains(&left[axis]) && (1..items).contains(&right[axis]);
+                if divides && left[axis] + right[axis] <= items + room && slabs.divide(axis) {
+                    *forbidden = 0.0;
+                }
             }
         }
-        let forbidden = |i: usize| F4::from_array(allowed[i].map(|yes| if yes { 0.0 } else { f32::NAN }));
+        let forbidden = |i: usize| F4::from_array(forbidden[i]);
         best(lanes, &parts.boxes, &parts.loads[0], &parts.loads[1], forbidden)
     }
 }
