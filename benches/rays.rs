@@ -1,9 +1,10 @@
 //! Rays per processor second through a compiled world, for a mesh and rays from files: what `versus/run.py` puts
 //! beside other tracers.
 //!
-//! usage: `cargo bench --bench rays -- MESH.rtsm RAYDIR [--reps N]`; one line of comma-separated values for the
-//! build (seconds, bytes per triangle, triangles) and for each set of rays (million rays per processor second,
-//! median; hits; rays). The formats are those that `versus/meshes.py` and `versus/embree.cpp` write.
+//! usage: `cargo bench --bench rays -- MESH.rtsm RAYDIR [--reps N] [--uncut] [--build-only]`; one line of
+//! comma-separated values for the build (seconds, bytes per triangle, triangles) and for each set of rays (million
+//! rays per processor second, median; hits; rays). With `--uncut` the tree cuts no triangle in two. The formats are
+//! those that `versus/meshes.py` and `versus/embree.cpp` write.
 
 #![allow(
     clippy::unwrap_used,
@@ -70,13 +71,20 @@ fn shuffle(rays: &mut [(Ray, f64)]) {
     }
 }
 
-fn build(scene: &Scene, triangles: usize, reps: usize) -> World<'_> {
+fn build(scene: &Scene, triangles: usize, uncut: bool, reps: usize) -> World<'_> {
     let pool = one_thread();
+    let compile = || {
+        if uncut {
+            World::compile_uncut(scene)
+        } else {
+            World::compile(scene)
+        }
+    };
     let mut times = Vec::new();
     let mut world = None;
     for _ in 0..reps {
         drop(world.take());
-        let (took, built) = timed(|| pool.install(|| World::compile(scene)).unwrap());
+        let (took, built) = timed(|| pool.install(compile).unwrap());
         times.push(took);
         world = Some(built);
     }
@@ -151,16 +159,25 @@ fn hits(world: &World<'_>, rays: &[(Ray, f64)], question: Question) -> usize {
 }
 
 fn main() {
-    let (args, reps) = arguments(3);
+    let (mut args, reps) = arguments(3);
+    let mut has = |option: &str| {
+        let before = args.len();
+        args.retain(|arg| arg != option);
+        args.len() < before
+    };
+    let (uncut, build_only) = (has("--uncut"), has("--build-only"));
     let [mesh_path, ray_dir] = &args[..] else {
-        println!("usage: cargo bench --bench rays -- MESH.rtsm RAYDIR [--reps N]");
+        println!("usage: cargo bench --bench rays -- MESH.rtsm RAYDIR [--reps N] [--uncut] [--build-only]");
         return;
     };
     let mesh = Arc::new(read_mesh(mesh_path));
     let mut b = Builder::with_limits(Limits::default());
     b.mesh(&mesh).unwrap();
     let scene = b.finish().value;
-    let world = build(&scene, mesh.triangles.len(), reps);
+    let world = build(&scene, mesh.triangles.len(), uncut, reps);
+    if build_only {
+        return;
+    }
     let read = |set: &str| read_rays(&format!("{ray_dir}/{}.{set}.rays", mesh.name));
     let (primary, ao, shadow) = (read("primary"), read("ao"), read("shadow"));
     let mut shuffled = ao.clone();

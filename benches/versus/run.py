@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs Embree and POV-Ray beside rtscript on equal work and prints tables in Markdown.
 
-    benches/versus/run.py [embree] [povray] [runs] [threads] [--rounds N] [--write]
+    benches/versus/run.py [embree] [builds] [povray] [runs] [threads] [--rounds N] [--write]
 
 Without names: all of them. Needs g++, povray and libembree-dev, and installs them with apt-get where it may. The
 programs take turns; every figure is a median over the rounds of processor seconds on one thread, so that it hardly
@@ -58,10 +58,11 @@ def run(command, **options):
     return output, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
 
 
-def programs():
-    """The release binary and the benchmark programs, built."""
+def programs(parts):
+    """The benchmark programs, built, and the release binary where a part is about pictures."""
     say("building")
-    subprocess.run(["cargo", "build", "--release", "--quiet"], cwd=ROOT, check=True)
+    if set(parts) - {"embree", "builds"}:
+        subprocess.run(["cargo", "build", "--release", "--quiet"], cwd=ROOT, check=True)
     command = ["cargo", "bench", "--no-run", "--bench", "rays", "--bench", "scene", "--message-format=json"]
     output = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout
     found = {"rtscript": TARGET / "release" / "rtscript"}
@@ -137,15 +138,20 @@ def make_meshes():
 SETS = [("primary", "primary"), ("ao", "AO closest"), ("ao-any", "AO any-hit"), ("shadow", "shadow")]
 
 
-def embree(found, rounds):
+def embree_driver():
+    """Embree's program, built."""
     need("g++", "g++", lambda: shutil.which("g++"))
     need("Embree", "libembree-dev", lambda: pathlib.Path("/usr/include/embree3/rtcore.h").exists())
     driver = WORK / "embree"
     source = HERE / "embree.cpp"
     if not driver.exists() or driver.stat().st_mtime < source.stat().st_mtime:
         subprocess.run(["g++", "-O3", "-march=native", source, "-lembree3", "-o", driver], check=True)
-    names = make_meshes()
-    rates, builds, counts = {}, {}, {}
+    return driver
+
+
+def embree(found, rounds):
+    driver, names = embree_driver(), make_meshes()
+    rates, counts, triangles = {}, {}, {}
     for turn in range(rounds):
         for name in names:
             say(f"round {turn + 1} of {rounds}: {name}")
@@ -156,12 +162,11 @@ def embree(found, rounds):
                 ("medium", [driver, mesh, WORK]),
                 ("rtscript", [found["rays"], mesh, WORK]),
                 ("robust", [driver, mesh, WORK, "--robust"]),
-                ("high", [driver, mesh, WORK, "--quality", "high", "--build-only"]),
             ):
                 for line in run([*command, "--reps", "2"])[0].splitlines():
                     what, value, detail, count = line.split(",")
                     if what == "build":
-                        builds.setdefault((name, who), []).append((float(value), float(detail), int(count)))
+                        triangles[name] = int(count)
                     else:
                         rates.setdefault((name, who, what), []).append(float(value))
                         counts[name, who, what] = int(detail)
@@ -175,23 +180,45 @@ def embree(found, rounds):
         rows = []
         for name in names:
             cells = [f"{rate[name, 'rtscript', k] / rate[name, other, k]:.2f} ({rate[name, 'rtscript', k]:.1f})" for k, _ in SETS]
-            rows.append([name, f"{builds[name, other][0][2]:,}", *cells])
+            rows.append([name, f"{triangles[name]:,}", *cells])
         means = [geometric_mean([rate[n, "rtscript", k] / rate[n, other, k] for n in names]) for k, _ in SETS]
         rows.append(["**geometric mean**", "", *(f"**{m:.2f}**" for m in means)])
         heading = ["mesh", "triangles", *(title for _, title in SETS)]
         note = f"Single rays: rtscript's rate over that of {title}; in brackets rtscript's million rays per processor second.\n\n"
         yield f"embree-{other}", note + table(heading, rows)
-    rows = []
+
+
+def builds(found, rounds):
+    """Building without splits beside the medium build, which has none, and with splits beside the high one."""
+    driver, names = embree_driver(), make_meshes()
+    samples = {}
+    for turn in range(rounds):
+        for name in names:
+            say(f"round {turn + 1} of {rounds}: building {name}")
+            mesh = WORK / f"{name}.rtsm"
+            for who, command in (
+                ("medium", [driver, mesh, WORK]),
+                ("uncut", [found["rays"], mesh, WORK, "--uncut"]),
+                ("high", [driver, mesh, WORK, "--quality", "high"]),
+                ("cut", [found["rays"], mesh, WORK]),
+            ):
+                line = run([*command, "--build-only", "--reps", "5"])[0].strip()
+                _, seconds, size, count = line.split(",")
+                samples.setdefault((name, who), []).append((float(seconds), float(size), int(count)))
+    rows, speeds = [], []
     for name in names:
-        seconds = {who: statistics.median(b[0] for b in builds[name, who]) for who in ("rtscript", "medium", "high")}
-        size = {who: builds[name, who][0][1] for who in seconds}
-        triangles = builds[name, "rtscript"][0][2]
+        all_of = {who: samples[name, who] for who in ("uncut", "medium", "cut", "high")}
+        ms = {who: 1e3 * statistics.median(s[0] for s in of) for who, of in all_of.items()}
+        size = {who: of[0][1] for who, of in all_of.items()}
+        speeds.append((ms["medium"] / ms["uncut"], ms["high"] / ms["cut"]))
         rows.append([
-            name, f"{triangles:,}", f"{seconds['rtscript'] * 1e3:.1f}", f"{triangles / seconds['rtscript'] * 1e-6:.2f}",
-            f"{seconds['medium'] / seconds['rtscript']:.2f}", f"{seconds['high'] / seconds['rtscript']:.2f}",
-            *(f"{size[who]:.0f}" for who in ("rtscript", "medium", "high")),
+            name, f"{all_of['cut'][0][2]:,}", f"{ms['uncut']:.1f}", f"{speeds[-1][0]:.2f}", f"{ms['cut']:.1f}",
+            f"{speeds[-1][1]:.2f}", *(f"{size[who]:.0f}" for who in ("uncut", "medium", "cut", "high")),
         ])
-    heading = ["mesh", "triangles", "ms", "million/s", "speed / medium", "speed / high", "bytes per triangle", "medium", "high"]
+    means = [f"**{geometric_mean(column):.2f}**" for column in zip(*speeds)]
+    rows.append(["**geometric mean**", "", "", means[0], "", means[1], *[""] * 4])
+    heading = ["mesh", "triangles", "ms without splits", "speed / medium", "ms with splits", "speed / high",
+               "bytes without", "medium", "bytes with", "high"]
     yield "embree-build", table(heading, rows)
 
 
@@ -317,7 +344,7 @@ def threads(found, rounds):
     yield "threads", table(["gallery scene", "1 thread, wall s", "2 threads", "ratio", "ratio of tracing alone"], rows)
 
 
-PARTS = {"embree": embree, "povray": scenes, "runs": whole_runs, "threads": threads}
+PARTS = {"embree": embree, "builds": builds, "povray": scenes, "runs": whole_runs, "threads": threads}
 
 
 def main():
@@ -327,9 +354,10 @@ def main():
     parser.add_argument("--write", action="store_true", help="put the tables into BENCHMARKS.md")
     arguments = parser.parse_args()
     WORK.mkdir(parents=True, exist_ok=True)
-    found = programs()
+    parts = arguments.parts or list(PARTS)
+    found = programs(parts)
     print(machine())
-    for part in arguments.parts or PARTS:
+    for part in parts:
         for name, text in PARTS[part](found, arguments.rounds):
             print(f"\n{text}", flush=True)
             if arguments.write:

@@ -73,7 +73,7 @@ impl Box32 {
 #[must_use]
 pub fn round_down(x: f64) -> f32 {
     let y = x as f32;
-    if f64::from(y) > x { y.next_down() } else { y }
+    step(y, -i32::from(f64::from(y) > x))
 }
 
 /// Smallest f32 that is not below `x`.
@@ -81,7 +81,16 @@ pub fn round_down(x: f64) -> f32 {
 #[must_use]
 pub fn round_up(x: f64) -> f32 {
     let y = x as f32;
-    if f64::from(y) < x { y.next_up() } else { y }
+    step(y, i32::from(f64::from(y) < x))
+}
+
+/// The number one place above (1) or below (-1), or the same (0). Never from a zero to the other sign: a zero has the sign
+/// of what was rounded to it. Without a branch, because whether there is a step to take is as good as random.
+#[inline(always)]
+fn step(y: f32, up: i32) -> f32 {
+    let bits = y.to_bits() as i32;
+    let away_from_zero = bits >> 31 | 1;
+    f32::from_bits((bits + up * away_from_zero) as u32)
 }
 
 /// Eight child boxes, one array for each of the six planes, and what they lead to.
@@ -212,6 +221,35 @@ mod tests {
         for x in [0.1, -0.1, 1.0, 1e15, -3.5e-20, 16_777_217.0, 0.0] {
             assert!(f64::from(round_down(x)) <= x && x <= f64::from(round_up(x)));
         }
+        let tiny = f64::from(f32::from_bits(1));
+        for x in [
+            0.0,
+            0.3 * tiny,
+            1.0,
+            1.0 + 1e-9,
+            1.0 - 1e-9,
+            1e30,
+            f64::from(f32::MAX),
+            1e300,
+            f64::INFINITY,
+        ] {
+            for x in [x, -x] {
+                let near = x as f32;
+                let (down, up) = (
+                    if f64::from(near) > x {
+                        near.next_down()
+                    } else {
+                        near
+                    },
+                    if f64::from(near) < x { near.next_up() } else { near },
+                );
+                assert_eq!(
+                    (round_down(x).to_bits(), round_up(x).to_bits()),
+                    (down.to_bits(), up.to_bits())
+                );
+            }
+        }
+        assert!(round_down(f64::NAN).is_nan() && round_up(f64::NAN).is_nan());
         let b = Box32::around(&Bounds3::new(DVec3::splat(-1.0), DVec3::splat(1.0)));
         assert!(b.min[0] < -1.0 && b.max[0] > 1.0);
         assert_eq!(Box32::around(&Bounds3::EMPTY), Box32::EMPTY);

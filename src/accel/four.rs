@@ -89,6 +89,25 @@ mod imp {
             unsafe { _mm_cvtss_f32(self.0) }
         }
 
+        /// Whole numbers as f32.
+        #[inline(always)]
+        pub(in crate::accel) fn from_whole(a: [i32; 4]) -> Self {
+            Self(unsafe { _mm_cvtepi32_ps(_mm_loadu_si128(a.as_ptr().cast())) })
+        }
+
+        /// The first lanes of three, then the second and the third; the fourth lanes do not matter.
+        #[inline(always)]
+        pub(in crate::accel) fn transpose([x, y, z]: [Self; 3]) -> [Self; 3] {
+            unsafe {
+                let (low, high) = (_mm_unpacklo_ps(x.0, y.0), _mm_unpackhi_ps(x.0, y.0));
+                [
+                    Self(_mm_shuffle_ps::<0b00_00_01_00>(low, z.0)),
+                    Self(_mm_shuffle_ps::<0b01_01_11_10>(low, z.0)),
+                    Self(_mm_shuffle_ps::<0b10_10_01_00>(high, z.0)),
+                ]
+            }
+        }
+
         /// Whole numbers, rounded towards 0. What is not within the range of i32 gives any number.
         #[inline(always)]
         pub(in crate::accel) fn truncate(self) -> [i32; 4] {
@@ -225,6 +244,18 @@ mod imp {
         #[inline(always)]
         pub(in crate::accel) fn first(self) -> f32 {
             self.0[0]
+        }
+
+        /// Whole numbers as f32.
+        #[inline(always)]
+        pub(in crate::accel) fn from_whole(a: [i32; 4]) -> Self {
+            Self(a.map(|x| x as f32))
+        }
+
+        /// The first lanes of three, then the second and the third; the fourth lanes do not matter.
+        #[inline(always)]
+        pub(in crate::accel) fn transpose([x, y, z]: [Self; 3]) -> [Self; 3] {
+            [0, 1, 2].map(|k| Self([x.0[k], y.0[k], z.0[k], z.0[k]]))
         }
 
         /// Whole numbers, rounded towards 0. What is not within the range of i32 gives any number.

@@ -3,72 +3,107 @@
 
 use rayon::prelude::*;
 
-use super::{Aabb, Context, Kinds, Load, PIECE, Primitive, Summary, spatial::Plane};
-use crate::accel::four::F4;
+use super::{
+    Aabb, Context, Kinds, PIECE, Primitive, Summary,
+    bins::{Binning, Bins},
+    spatial::Plane,
+};
+use crate::accel::{
+    four::F4,
+    lanes::{Lanes, Task},
+};
 
-/// Where twice the centers fall into `N` bins along each axis.
-#[derive(Clone, Copy)]
-struct Binning<const N: usize> {
-    min: F4,
-    scale: F4,
+/// Puts items into bins.
+struct Fill<'a, const N: usize> {
+    items: &'a [Primitive],
+    kinds: Kinds,
+    binning: Binning<N>,
 }
 
-impl<const N: usize> Binning<N> {
-    fn new(centers: &Aabb) -> Self {
-        let scale = centers.max.sub(centers.min).to_array().map(|extent| {
-            let scale = N as f32 * 0.9999 / extent;
-            if scale.is_finite() { scale } else { 0.0 }
-        });
-        Self {
-            min: centers.min,
-            scale: F4::from_array(scale),
-        }
-    }
+impl<const N: usize> Task for Fill<'_, N> {
+    type Output = Bins<N>;
 
-    /// What is not a number lands in the last bin.
     #[inline(always)]
-    fn bins(&self, bounds: &Aabb) -> [usize; 4] {
-        let place = bounds.center().sub(self.min).mul(self.scale);
-        let last = F4::splat((N - 1) as f32);
-        let bins = place.min(last).max(F4::splat(0.0)).truncate();
-        bins.map(|bin| bin as usize & (N - 1))
+    fn run<L: Lanes>(self, lanes: L) -> Bins<N> {
+        Bins::of(lanes, self.items, self.kinds, &self.binning)
     }
 }
 
-/// Box and load of each bin along each axis.
-struct Bins<const N: usize> {
-    boxes: [[Aabb; N]; 3],
-    loads: [[Load; N]; 3],
-}
+/// Finds the split of least cost of what is in bins.
+struct Choose<'a, const N: usize>(Binning<N>, &'a Bins<N>);
 
-impl<const N: usize> Bins<N> {
+impl<const N: usize> Task for Choose<'_, N> {
+    type Output = Option<Split>;
+
     #[inline(always)]
-    fn of(items: &[Primitive], kinds: Kinds, binning: &Binning<N>) -> Self {
-        let mut bins = Self {
-            boxes: [[Aabb::empty(); N]; 3],
-            loads: [[Load::default(); N]; 3],
-        };
-        for item in items {
-            let load = Load::of(item, kinds);
-            let bounds = item.aabb();
-            let places = binning.bins(&bounds);
-            let [x, y, z, _] = places;
-            for (axis, bin) in [x, y, z].into_iter().enumerate() {
-                bins.boxes[axis][bin].grow(&bounds);
-                bins.loads[axis][bin].add(load);
-            }
-        }
-        bins
+    fn run<L: Lanes>(self, lanes: L) -> Option<Split> {
+        let Self(binning, bins) = self;
+        let scales = binning.scale.to_array();
+        let (best, bounds) = bins.best(lanes, scales)?;
+        Some(Split {
+            axis: best.axis,
+            plane: best.bin as f32,
+            min: binning.min.to_array()[best.axis],
+            scale: scales[best.axis],
+            cost: best.cost,
+            bounds,
+        })
     }
+}
 
-    fn merge(mut self, other: Self) -> Self {
-        for k in 0..3 {
-            for i in 0..N {
-                self.boxes[k][i].grow(&other.boxes[k][i]);
-                self.loads[k][i].add(other.loads[k][i]);
-            }
+/// Both, without the way through memory that a task's end is.
+struct FillAndChoose<'a, const N: usize>(Fill<'a, N>);
+
+impl<const N: usize> Task for FillAndChoose<'_, N> {
+    type Output = Option<Split>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) -> Option<Split> {
+        let binning = self.0.binning;
+        Choose(binning, &self.0.run(lanes)).run(lanes)
+    }
+}
+
+/// Bins of more items.
+struct Merge<const N: usize>(Bins<N>, Bins<N>);
+
+impl<const N: usize> Task for Merge<N> {
+    type Output = Bins<N>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) -> Bins<N> {
+        self.0.merge(lanes, &self.1)
+    }
+}
+
+/// Moves the items that go left to the front; their number, and boxes around twice the centers of both parts.
+struct Halve<'a>(&'a Split, &'a mut [Primitive]);
+
+impl Task for Halve<'_> {
+    type Output = (usize, [Aabb; 2]);
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) -> (usize, [Aabb; 2]) {
+        let Self(split, items) = self;
+        let mut middle = 0;
+        let mut centers = [Aabb::empty(); 2];
+        let (axis, plane) = (split.axis % 3, F4::splat(split.plane));
+        // Which side an item takes is as good as random: no branch may depend on it. Items from `middle` to `i` go
+        // right; the next to go left changes places with the first of them.
+        for i in 0..items.len() {
+            let place = (items[i].min(axis) + items[i].max(axis) - split.min) * split.scale;
+            let place = F4::splat(place);
+            let (front, item) = (items[middle].lanes(lanes), items[i].lanes(lanes));
+            items[i] = Primitive::from_lanes(lanes, front);
+            items[middle] = Primitive::from_lanes(lanes, item);
+            let [min, max] = lanes.halves(item);
+            let center = min.add(max);
+            middle += (place.below(plane).bits() & 1) as usize;
+            // NaN is left out of a box.
+            centers[0].grow_point(center.or(place.not_less(plane)));
+            centers[1].grow_point(center.or(place.below(plane)));
         }
-        self
+        (middle, centers)
     }
 }
 
@@ -100,56 +135,21 @@ impl Split {
         context: &Context<'_>,
         centers: &Aabb,
     ) -> Option<Self> {
-        let (kinds, binning) = (context.kinds, Binning::<N>::new(centers));
-        let bins = if items.len() > 2 * PIECE {
-            items
-                .par_chunks(PIECE)
-                .filter(|_| !(context.stop)())
-                .map(|piece| Bins::of(piece, kinds, &binning))
-                .reduce_with(Bins::merge)?
-        } else {
-            Bins::of(items, kinds, &binning)
+        let (kinds, simd) = (context.kinds, context.simd);
+        let fill = |items| Fill::<N> {
+            items,
+            kinds,
+            binning: Binning::new(centers),
         };
-        let scales = binning.scale.to_array();
-        let (mut best, mut axis, mut plane) = (f32::INFINITY, 3, 0);
-        for (k, (boxes, loads)) in bins.boxes.iter().zip(&bins.loads).enumerate() {
-            if scales[k] == 0.0 {
-                continue;
-            }
-            let mut right_cost = [f32::INFINITY; N];
-            let (mut bounds, mut load) = (Aabb::empty(), Load::default());
-            for i in (1..N).rev() {
-                bounds.grow(&boxes[i]);
-                load.add(loads[i]);
-                if !load.is_empty() {
-                    right_cost[i] = bounds.half_area() * load.cost();
-                }
-            }
-            (bounds, load) = (Aabb::empty(), Load::default());
-            for i in 1..N {
-                bounds.grow(&boxes[i - 1]);
-                load.add(loads[i - 1]);
-                let cost = bounds.half_area() * load.cost() + right_cost[i];
-                if cost < best && !load.is_empty() {
-                    (best, axis, plane) = (cost, k, i);
-                }
-            }
+        if items.len() <= 2 * PIECE {
+            return simd.run(FillAndChoose(fill(items)));
         }
-        let boxes = bins.boxes.get(axis)?;
-        let around = |boxes: &[Aabb]| {
-            boxes.iter().fold(Aabb::empty(), |mut around, bin| {
-                around.grow(bin);
-                around
-            })
-        };
-        Some(Self {
-            axis,
-            plane: plane as f32,
-            min: binning.min.to_array()[axis],
-            scale: scales[axis],
-            cost: best,
-            bounds: [around(&boxes[..plane]), around(&boxes[plane..])],
-        })
+        let bins = items
+            .par_chunks(PIECE)
+            .filter(|_| !(context.stop)())
+            .map(|piece| simd.run(fill(piece)))
+            .reduce_with(|a, b| simd.run(Merge(a, b)))?;
+        simd.run(Choose(fill(items).binning, &bins))
     }
 
     /// The division by a plane.
@@ -169,7 +169,7 @@ impl Split {
         let (middle, centers) = if items.len() > 2 * PIECE {
             self.divide_in_pieces(items, context)
         } else {
-            self.divide_here(items)
+            context.simd.run(Halve(self, items))
         };
         let [left, right] = [0, 1].map(|side| Summary {
             bounds: self.bounds[side],
@@ -178,31 +178,12 @@ impl Split {
         (middle, [left, right])
     }
 
-    fn divide_here(&self, items: &mut [Primitive]) -> (usize, [Aabb; 2]) {
-        let mut middle = 0;
-        let mut centers = [Aabb::empty(); 2];
-        let (axis, plane) = (self.axis % 3, F4::splat(self.plane));
-        // Which side an item takes is as good as random: no branch may depend on it. Items from `middle` to `i` go
-        // right; the next to go left changes places with the first of them.
-        for i in 0..items.len() {
-            let item = &items[i];
-            let place = F4::splat((item.min[axis] + item.max[axis] - self.min) * self.scale);
-            let center = item.aabb().center();
-            items.swap(middle, i);
-            middle += (place.below(plane).bits() & 1) as usize;
-            // NaN is left out of a box.
-            centers[0].grow_point(center.or(place.not_less(plane)));
-            centers[1].grow_point(center.or(place.below(plane)));
-        }
-        (middle, centers)
-    }
-
     /// Divides each piece by itself, then swaps what stands on the wrong side of the middle.
     fn divide_in_pieces(&self, items: &mut [Primitive], context: &Context<'_>) -> (usize, [Aabb; 2]) {
         let pieces: Vec<(usize, [Aabb; 2])> = items
             .par_chunks_mut(PIECE)
             .filter(|_| !(context.stop)())
-            .map(|piece| self.divide_here(piece))
+            .map(|piece| context.simd.run(Halve(self, piece)))
             .collect();
         if (context.stop)() {
             return (items.len() / 2, [Aabb::empty(); 2]);

@@ -7,6 +7,7 @@
 
 mod binary;
 mod binning;
+mod bins;
 mod collapse;
 mod divide;
 mod spatial;
@@ -19,6 +20,7 @@ use super::{
     blocks::BLOCK,
     boxes::{Box32, Child, LeafKind, Node},
     four::F4,
+    lanes::{Lanes, Simd},
 };
 use crate::math::DVec3;
 
@@ -60,13 +62,11 @@ pub struct Leaves {
     pub cuboids: Vec<[u32; BLOCK]>,
 }
 
-/// What the builder knows of a primitive: a box, and in the fourth lanes its index and its area.
+/// What the builder knows of a primitive: the corners of its box, behind the smallest its index and behind the largest
+/// its area. One register holds it, and no line of a cache ends inside.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(16))]
-pub struct Primitive {
-    min: [f32; 4],
-    max: [f32; 4],
-}
+#[repr(C, align(32))]
+pub struct Primitive([f32; 8]);
 
 impl Primitive {
     /// With these bits added an index is an f32 between 2 and 2^17. Were it left a tiny number, arithmetic on all
@@ -80,11 +80,12 @@ impl Primitive {
     #[inline]
     #[must_use]
     pub fn new(index: u32, bounds: Box32, area: f32) -> Self {
-        let wide = |[x, y, z]: [f32; 3], w: f32| [x, y, z, w];
-        Self {
-            min: wide(bounds.min, f32::from_bits(Self::INDEX | index)),
-            max: wide(bounds.max, area),
-        }
+        let Box32 {
+            min: [x, y, z],
+            max: [right, top, near],
+        } = bounds;
+        let index = f32::from_bits(Self::INDEX | index);
+        Self([x, y, z, index, right, top, near, area])
     }
 
     /// The same, which may be known as a box: those share blocks, but are numbered among the others.
@@ -92,33 +93,31 @@ impl Primitive {
     #[must_use]
     pub fn with_cuboid(mut self, is_cuboid: bool) -> Self {
         let mark = if is_cuboid { Self::CUBOID } else { 0 };
-        self.min[3] = f32::from_bits(self.min[3].to_bits() | mark);
+        self.0[3] = f32::from_bits(self.0[3].to_bits() | mark);
         self
     }
 
     #[inline(always)]
     fn is_cuboid(&self) -> bool {
-        self.min[3].to_bits() & Self::CUBOID != 0
+        self.0[3].to_bits() & Self::CUBOID != 0
     }
 
     /// Its index.
     #[inline(always)]
     #[must_use]
     pub fn index(&self) -> u32 {
-        self.min[3].to_bits() & !(Self::INDEX | Self::CUBOID)
+        self.0[3].to_bits() & !(Self::INDEX | Self::CUBOID)
     }
 
     /// All that the builder knows of it, as bits: of two that have the same, either will do.
     #[must_use]
     pub fn bits(&self) -> [u32; 8] {
-        let [a, b, c, d] = self.min.map(f32::to_bits);
-        let [e, f, g, h] = self.max.map(f32::to_bits);
-        [a, b, c, d, e, f, g, h]
+        self.0.map(f32::to_bits)
     }
 
     #[inline(always)]
     fn area(&self) -> f32 {
-        self.max[3]
+        self.0[7]
     }
 
     /// The box around it.
@@ -128,16 +127,48 @@ impl Primitive {
         self.aabb().to_box()
     }
 
+    /// The box around some.
+    #[must_use]
+    pub fn around(all: &[Self]) -> Box32 {
+        let mut around = Aabb::empty();
+        for primitive in all {
+            around.grow(&primitive.aabb());
+        }
+        around.to_box()
+    }
+
     #[inline(always)]
     fn aabb(&self) -> Aabb {
         Aabb {
-            min: F4::from_array(self.min),
-            max: F4::from_array(self.max),
+            min: F4::from_array([self.0[0], self.0[1], self.0[2], self.0[3]]),
+            max: F4::from_array([self.0[4], self.0[5], self.0[6], self.0[7]]),
         }
     }
 
+    /// Where its box begins along an axis.
+    #[inline(always)]
+    fn min(&self, axis: usize) -> f32 {
+        self.0[axis & 3]
+    }
+
+    /// Where its box ends.
+    #[inline(always)]
+    fn max(&self, axis: usize) -> f32 {
+        self.0[axis & 3 | 4]
+    }
+
+    #[inline(always)]
+    fn lanes<L: Lanes>(&self, lanes: L) -> L::F8 {
+        lanes.load(&self.0)
+    }
+
+    #[inline(always)]
+    fn from_lanes<L: Lanes>(lanes: L, all: L::F8) -> Self {
+        Self(lanes.store(all))
+    }
+
     fn is_empty(&self) -> bool {
-        (0..3).any(|k| !(self.min[k] <= self.max[k]))
+        (0..3).any(|k| !(self.min(k) <= self.max(k)))
     }
 }
 
@@ -174,6 +205,11 @@ impl Kinds {
         }
     }
 
+    #[inline]
+    fn can_be_cut(self, item: &Primitive) -> bool {
+        (item.index() as usize) < self.triangles
+    }
+
     /// Whether all of these may stand in one leaf.
     fn are_one(self, items: &[Primitive]) -> bool {
         let mut kinds = items.iter().map(|item| self.of(item));
@@ -187,6 +223,7 @@ struct Context<'a> {
     corners: &'a Corners<'a>,
     /// Half the surface of the box around everything.
     root_area: f32,
+    simd: Simd,
     stop: &'a Stop<'a>,
 }
 
@@ -196,12 +233,6 @@ type Corners<'a> = dyn Fn(u32) -> [DVec3; 3] + Sync + 'a;
 /// Whether to give up. Once true it stays so, and what is being built is dropped: any tree will do, the sooner the
 /// better.
 type Stop<'a> = dyn Fn() -> bool + Sync + 'a;
-
-impl Context<'_> {
-    fn can_be_cut(&self, item: &Primitive) -> bool {
-        (item.index() as usize) < self.kinds.triangles
-    }
-}
 
 /// Items in the front part of a slice, and room behind them for those that splits add.
 struct Items<'a> {
@@ -315,16 +346,17 @@ impl Aabb {
     }
 }
 
-/// Numbers of triangles and spheres, which share blocks (low half), and of all others (high half). Boxes share blocks
-/// as well, but where they count as if they stood alone they are sooner divided from what they cannot stand with.
+/// What primitives cost, in fourths of the test of a block: triangles and spheres, which share blocks, one each. Boxes
+/// share blocks as well, but where they count as if they stood alone they are sooner divided from what they cannot stand
+/// with.
 #[derive(Clone, Copy, Default)]
-struct Load(u64);
+struct Load(u32);
 
 impl Load {
     #[inline(always)]
     fn of(item: &Primitive, kinds: Kinds) -> Self {
         let shares = (item.index() as usize) < kinds.triangles + kinds.spheres;
-        Self(if shares { 1 } else { 1 << 32 })
+        Self(if shares { 1 } else { ALONE_COST * BLOCK as u32 })
     }
 
     #[inline(always)]
@@ -332,19 +364,15 @@ impl Load {
         self.0 += other.0;
     }
 
-    /// In tests of one block.
     #[inline(always)]
-    fn cost(self) -> f32 {
-        (self.0 as u32).div_ceil(BLOCK as u32) as f32 + (ALONE_COST * (self.0 >> 32) as u32) as f32
+    fn plus(self, other: Self) -> Self {
+        Self(self.0 + other.0)
     }
 
+    /// In tests of whole blocks. No more than 2^28, since a tree has fewer than 2^27 places.
     #[inline(always)]
-    fn is_empty(self) -> bool {
-        self.0 == 0
-    }
-
-    fn items(self) -> usize {
-        (self.0 as u32) as usize + (self.0 >> 32) as usize
+    fn blocks(self) -> u32 {
+        self.0.div_ceil(BLOCK as u32)
     }
 }
 
@@ -386,6 +414,13 @@ impl Summary {
 }
 
 impl Bvh {
+    /// How many primitives there may be of so many when some have been cut.
+    #[must_use]
+    pub fn room(count: usize, kinds: Kinds, cuts: f64) -> usize {
+        let more = (cuts * kinds.triangles.min(count) as f64) as usize;
+        (count + more).min(Child::PLACES_MAX.max(count))
+    }
+
     /// A tree over `primitives`, on the threads of the current pool. The primitives of a leaf are of one kind; the
     /// second value says which stand in each leaf that is a block.
     ///
@@ -408,9 +443,8 @@ impl Bvh {
             return Default::default();
         };
         let count = primitives.len();
-        let room = (cuts * kinds.triangles.min(count) as f64) as usize;
-        if room > 0 {
-            let all = (count + room).min(Child::PLACES_MAX);
+        let all = Self::room(count, kinds, cuts);
+        if all > count {
             primitives.reserve_exact(all - count);
             primitives.resize(all, first);
         }
@@ -419,6 +453,7 @@ impl Bvh {
             kinds,
             corners: &corners,
             root_area: summary.bounds.half_area(),
+            simd: Simd::detect(),
             stop: &stop,
         };
         let items = Items {

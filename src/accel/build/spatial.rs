@@ -4,15 +4,195 @@
 //!
 //! Candidates are judged by clipping boxes; only the plane that is chosen clips triangles.
 
-use super::{Aabb, Context, Load, PIECE, Primitive};
+use rayon::prelude::*;
+
+use super::{
+    Aabb, Context, Kinds, Load, PIECE, Primitive,
+    bins::{Best, Box8, Loads, best, eight},
+};
 use crate::{
-    accel::boxes::{round_down, round_up},
+    accel::{
+        boxes::{round_down, round_up},
+        four::F4,
+        lanes::{Lanes, Task},
+    },
     math::{Bounds3, DVec3, max_abs},
 };
 
 const BINS: usize = 16;
-/// Above so many items the axes are looked at in parallel.
-const PARALLEL: usize = 1 << 14;
+
+/// As many slabs of equal thickness along each axis.
+struct Slabs {
+    low: [f32; 4],
+    size: [f32; 4],
+    scale: [f32; 4],
+    /// What is before the end of each slab, and what is not before its begin.
+    before: [[Box8; BINS]; 3],
+    behind: [[Box8; BINS]; 3],
+}
+
+impl Slabs {
+    fn new(bounds: &Aabb) -> Self {
+        let size = bounds.max.sub(bounds.min).to_array();
+        let mut slabs = Self {
+            low: bounds.min.to_array(),
+            size,
+            scale: size.map(|size| BINS as f32 * 0.9999 / size),
+            before: [[Box8::EMPTY; BINS]; 3],
+            behind: [[Box8::EMPTY; BINS]; 3],
+        };
+        for axis in 0..3 {
+            for i in 0..BINS {
+                slabs.before[axis][i] = Box8::half_space(axis, slabs.plane(axis, i + 1), 1.0);
+                slabs.behind[axis][i] = Box8::half_space(axis, slabs.plane(axis, i), -1.0);
+            }
+        }
+        slabs
+    }
+
+    fn plane(&self, axis: usize, i: usize) -> f32 {
+        self.low[axis] + self.size[axis] * (i as f32 / BINS as f32)
+    }
+
+    /// Whether there is anything to divide along an axis.
+    fn divide(&self, axis: usize) -> bool {
+        self.size[axis] > 0.0 && self.scale[axis].is_finite()
+    }
+
+    /// The slabs that a point is in.
+    #[inline(always)]
+    fn bins(&self, p: F4) -> [usize; 4] {
+        let place = p.sub(F4::from_array(self.low)).mul(F4::from_array(self.scale));
+        let last = F4::splat((BINS - 1) as f32);
+        let bins = place.max(F4::splat(0.0)).min(last).truncate();
+        bins.map(|bin| bin as usize & (BINS - 1))
+    }
+}
+
+/// What is in each slab along each axis.
+struct Parts {
+    boxes: [[Box8; BINS]; 3],
+    /// Loads of what begins in each slab and of what ends there.
+    loads: [[Loads; BINS]; 2],
+    /// The same in numbers of items.
+    items: [[[u32; 4]; BINS]; 2],
+}
+
+/// Puts what items have in each slab there.
+struct Fill<'a> {
+    items: &'a [Primitive],
+    kinds: Kinds,
+    slabs: &'a Slabs,
+}
+
+impl Task for Fill<'_> {
+    type Output = Parts;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) -> Parts {
+        let Self { items, kinds, slabs } = self;
+        let mut parts = Parts {
+            boxes: [[Box8::EMPTY; BINS]; 3],
+            loads: [[[Load::default(); 4]; BINS]; 2],
+            items: [[[0; 4]; BINS]; 2],
+        };
+        for item in items {
+            let bounds = item.aabb();
+            let (mut first, mut last) = (slabs.bins(bounds.min), slabs.bins(bounds.max));
+            if !kinds.can_be_cut(item) {
+                first = slabs.bins(bounds.center().mul(F4::splat(0.5)));
+                last = first;
+            }
+            let load = Load::of(item, kinds);
+            let bounds = eight(lanes, &bounds);
+            for axis in 0..3 {
+                let (first, last) = (first[axis], last[axis]);
+                parts.loads[0][first][axis].add(load);
+                parts.loads[1][last][axis].add(load);
+                parts.items[0][first][axis] += 1;
+                parts.items[1][last][axis] += 1;
+                let boxes = &mut parts.boxes[axis];
+                if first >= last {
+                    boxes[last].grow(lanes, bounds);
+                    continue;
+                }
+                let (before, behind) = (&slabs.before[axis], &slabs.behind[axis]);
+                boxes[first].grow(lanes, lanes.max(bounds, before[first].load(lanes)));
+                for i in first + 1..last {
+                    let part = lanes.max(bounds, behind[i].load(lanes));
+                    boxes[i].grow(lanes, lanes.max(part, before[i].load(lanes)));
+                }
+                boxes[last].grow(lanes, lanes.max(bounds, behind[last].load(lanes)));
+            }
+        }
+        parts
+    }
+}
+
+/// The parts of more items.
+struct Merge(Parts, Parts);
+
+impl Task for Merge {
+    type Output = Parts;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) -> Parts {
+        let Self(mut parts, other) = self;
+        for (bin, other) in parts
+            .boxes
+            .as_flattened_mut()
+            .iter_mut()
+            .zip(other.boxes.as_flattened())
+        {
+            bin.grow(lanes, other.load(lanes));
+        }
+        for side in 0..2 {
+            for i in 0..BINS {
+                for k in 0..3 {
+                    parts.loads[side][i][k].add(other.loads[side][i][k]);
+                    parts.items[side][i][k] += other.items[side][i][k];
+                }
+            }
+        }
+        parts
+    }
+}
+
+/// Finds the plane of least cost.
+struct Choose<'a> {
+    slabs: &'a Slabs,
+    parts: &'a Parts,
+    items: u32,
+    room: u32,
+}
+
+impl Task for Choose<'_> {
+    type Output = Option<Best>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) -> Option<Best> {
+        let Self {
+            slabs,
+            parts,
+            items,
+            room,
+        } = self;
+        let mut forbidden = [[f32::NAN; 4]; BINS];
+        let (mut left, mut right) = ([0; 4], [items; 4]);
+        for (i, forbidden) in forbidden.iter_mut().enumerate().skip(1) {
+            for (axis, forbidden) in forbidden.iter_mut().enumerate().take(3) {
+                left[axis] += parts.items[0][i - 1][axis];
+                right[axis] -= parts.items[1][i - 1][axis];
+                let divides = (1..items).contains(&left[axis]) && (1..items).contains(&right[axis]);
+                if divides && left[axis] + right[axis] <= items + room && slabs.divide(axis) {
+                    *forbidden = 0.0;
+                }
+            }
+        }
+        let forbidden = |i: usize| F4::from_array(forbidden[i]);
+        best(lanes, &parts.boxes, &parts.loads[0], &parts.loads[1], forbidden)
+    }
+}
 
 /// A plane across an axis.
 #[derive(Clone, Copy)]
@@ -31,80 +211,33 @@ impl Plane {
         room: usize,
         context: &Context<'_>,
     ) -> Option<Self> {
-        let along = |axis: usize| Self::best_along(axis, items, bounds, room, context);
-        let found: [Option<Self>; 3] = if items.len() > PARALLEL {
-            let (x, (y, z)) = rayon::join(|| along(0), || rayon::join(|| along(1), || along(2)));
-            [x, y, z]
-        } else {
-            [along(0), along(1), along(2)]
+        let (kinds, simd) = (context.kinds, context.simd);
+        let slabs = Slabs::new(bounds);
+        let fill = |items| Fill {
+            items,
+            kinds,
+            slabs: &slabs,
         };
-        found
-            .into_iter()
-            .flatten()
-            .reduce(|best, plane| if plane.cost < best.cost { plane } else { best })
-    }
-
-    fn best_along(
-        axis: usize,
-        items: &[Primitive],
-        bounds: &Aabb,
-        room: usize,
-        context: &Context<'_>,
-    ) -> Option<Self> {
-        let (low, high) = (bounds.min.to_array()[axis], bounds.max.to_array()[axis]);
-        let (size, scale) = (high - low, BINS as f32 * 0.9999 / (high - low));
-        if !(size > 0.0 && scale.is_finite()) {
-            return None;
-        }
-        let plane = |i: usize| low + size * (i as f32 / BINS as f32);
-        let bin = |x: f32| (((x - low) * scale) as usize).min(BINS - 1);
-        let mut boxes = [Aabb::empty(); BINS];
-        let (mut enter, mut leave) = ([Load::default(); BINS], [Load::default(); BINS]);
-        for (n, item) in items.iter().enumerate() {
-            if n % PIECE == PIECE - 1 && (context.stop)() {
-                return None;
-            }
-            let (mut first, mut last) = (bin(item.min[axis]), bin(item.max[axis]));
-            if !context.can_be_cut(item) {
-                first = bin(0.5 * (item.min[axis] + item.max[axis]));
-                last = first;
-            }
-            let load = Load::of(item, context.kinds);
-            enter[first].add(load);
-            leave[last].add(load);
-            let mut rest = *item;
-            for (bin, i) in boxes[first..last.max(first)].iter_mut().zip(first + 1..) {
-                let mut part = rest;
-                part.max[axis] = plane(i);
-                rest.min[axis] = plane(i);
-                bin.grow(&part.aabb());
-            }
-            boxes[last].grow(&rest.aabb());
-        }
-        let mut right = [(f32::INFINITY, Load::default()); BINS];
-        let (mut around, mut load) = (Aabb::empty(), Load::default());
-        for i in (1..BINS).rev() {
-            around.grow(&boxes[i]);
-            load.add(leave[i]);
-            right[i] = (around.half_area() * load.cost(), load);
-        }
-        (around, load) = (Aabb::empty(), Load::default());
-        let mut best: Option<Self> = None;
-        for (i, (right_cost, right_load)) in right.into_iter().enumerate().skip(1) {
-            around.grow(&boxes[i - 1]);
-            load.add(enter[i - 1]);
-            let (left, right) = (load.items(), right_load.items());
-            let divides = (1..items.len()).contains(&left) && (1..items.len()).contains(&right);
-            let cost = around.half_area() * load.cost() + right_cost;
-            if divides && left + right <= items.len() + room && best.is_none_or(|best| cost < best.cost) {
-                best = Some(Self {
-                    axis,
-                    at: plane(i),
-                    cost,
-                });
-            }
-        }
-        best
+        let parts = if items.len() <= 2 * PIECE {
+            simd.run(fill(items))
+        } else {
+            items
+                .par_chunks(PIECE)
+                .filter(|_| !(context.stop)())
+                .map(|piece| simd.run(fill(piece)))
+                .reduce_with(|a, b| simd.run(Merge(a, b)))?
+        };
+        let best = simd.run(Choose {
+            slabs: &slabs,
+            parts: &parts,
+            items: items.len() as u32,
+            room: room as u32,
+        })?;
+        Some(Self {
+            axis: best.axis,
+            at: slabs.plane(best.axis, best.bin),
+            cost: best.cost,
+        })
     }
 
     /// Cuts the triangles among the first `count` items that lie on both sides; their other halves go behind, as
@@ -116,8 +249,8 @@ impl Plane {
                 break;
             }
             let item = items[i];
-            let across = item.min[self.axis] < self.at && self.at < item.max[self.axis];
-            if end < items.len() && across && context.can_be_cut(&item) {
+            let across = item.min(self.axis) < self.at && self.at < item.max(self.axis);
+            if end < items.len() && across && context.kinds.can_be_cut(&item) {
                 let [left, right] = self.halves(&item, (context.corners)(item.index()));
                 if left.is_empty() || right.is_empty() {
                     continue;
@@ -162,12 +295,12 @@ impl Plane {
             let mut part = *item;
             for k in 0..3 {
                 // Inside the part that was cut off before.
-                part.min[k] = part.min[k].max(round_down(around.min[k] - slack));
-                part.max[k] = part.max[k].min(round_up(around.max[k] + slack));
+                part.0[k] = part.min(k).max(round_down(around.min[k] - slack));
+                part.0[k + 4] = part.max(k).min(round_up(around.max[k] + slack));
             }
             let share = part.aabb().half_area() / item.aabb().half_area();
             if share < 1.0 {
-                part.max[3] *= share;
+                part.0[7] *= share;
             }
             part
         })

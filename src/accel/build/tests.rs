@@ -1,6 +1,9 @@
-use super::*;
+use super::{
+    bins::{Binning, Bins},
+    *,
+};
 use crate::{
-    accel::cases,
+    accel::{cases, lanes::Task},
     math::{Bounds3, DVec3},
 };
 
@@ -97,4 +100,70 @@ fn what_has_no_box_is_in_no_leaf() {
         || false,
     );
     assert!(bvh.nodes.is_empty() && leaves.triangles.is_empty());
+}
+
+/// The best plane between eight bins.
+struct BestOfEight<'a>(&'a [Primitive], Kinds, Binning<8>);
+
+impl Task for BestOfEight<'_> {
+    type Output = Option<(usize, usize, f32, [Box32; 2])>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) -> Self::Output {
+        let Self(items, kinds, binning) = self;
+        let bins = Bins::of(lanes, items, kinds, &binning);
+        let (best, bounds) = bins.best(lanes, binning.scale.to_array())?;
+        Some((best.axis, best.bin, best.cost, bounds.map(Aabb::to_box)))
+    }
+}
+
+#[test]
+fn no_plane_between_bins_costs_less_than_the_one_that_is_found() {
+    for n in 2..40 {
+        let mut items = primitives(n);
+        if n % 5 == 0 {
+            // All in one plane, so that this axis divides nothing.
+            for item in &mut items {
+                (item.0[1], item.0[5]) = (0.5, 0.5);
+            }
+        }
+        // Both kinds of loads.
+        let kinds = Kinds {
+            triangles: n / 2,
+            spheres: 0,
+        };
+        let centers = Summary::of(&items).centers;
+        let binning = Binning::<8>::new(&centers);
+        let (scale, min) = (binning.scale.to_array(), binning.min.to_array());
+        let mut least: Option<(usize, usize, f32, [Box32; 2])> = None;
+        for axis in 0..3 {
+            for bin in 1..8 {
+                let is_left = |item: &&Primitive| {
+                    (item.min(axis) + item.max(axis) - min[axis]) * scale[axis] < bin as f32
+                };
+                let (left, right): (Vec<&Primitive>, Vec<&Primitive>) = items.iter().partition(is_left);
+                if left.is_empty() || right.is_empty() {
+                    continue;
+                }
+                let sides = [left, right].map(|side| {
+                    let bounds = Summary::of(&side.iter().map(|item| **item).collect::<Vec<_>>()).bounds;
+                    let alone = side
+                        .iter()
+                        .filter(|item| item.index() as usize >= kinds.triangles);
+                    let alone = alone.count() as f32;
+                    let blocks = ((side.len() as f32 - alone) / 4.0).ceil();
+                    (bounds.half_area() * (blocks + 2.0 * alone), bounds.to_box())
+                });
+                let cost = sides[0].0 + sides[1].0;
+                if least.is_none_or(|least| cost < least.2) {
+                    least = Some((axis, bin, cost, sides.map(|side| side.1)));
+                }
+            }
+        }
+        assert!(least.is_some());
+        for simd in Simd::all() {
+            let found = simd.run(BestOfEight(&items, kinds, binning));
+            assert_eq!(found, least, "{n} items, {simd:?}");
+        }
+    }
 }

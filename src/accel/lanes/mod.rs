@@ -165,6 +165,10 @@ pub trait Lanes: Exact {
     fn at_most(self, a: Self::F8, b: Self::F8) -> u32;
     /// The lanes as an array.
     fn store(self, a: Self::F8) -> [f32; 8];
+    /// The first four lanes and the last four.
+    fn halves(self, a: Self::F8) -> [F4; 2];
+    /// Eight lanes of four and four.
+    fn join(self, halves: [F4; 2]) -> Self::F8;
     /// `a * b + c`, rounded once or twice.
     fn mul_add4(self, a: F4, b: F4, c: F4) -> F4;
     /// `a * b - c`, rounded once or twice.
@@ -216,6 +220,17 @@ impl Lanes for Portable {
     #[inline(always)]
     fn store(self, a: Self::F8) -> [f32; 8] {
         a
+    }
+
+    #[inline(always)]
+    fn halves(self, [a, b, c, d, e, f, g, h]: Self::F8) -> [F4; 2] {
+        [F4::from_array([a, b, c, d]), F4::from_array([e, f, g, h])]
+    }
+
+    #[inline(always)]
+    fn join(self, halves: [F4; 2]) -> Self::F8 {
+        let [[a, b, c, d], [e, f, g, h]] = halves.map(F4::to_array);
+        [a, b, c, d, e, f, g, h]
     }
 
     #[inline(always)]

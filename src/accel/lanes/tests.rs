@@ -23,6 +23,10 @@ impl Task for All {
             lanes.min(a, b),
             lanes.max(a, b),
             lanes.max(lanes.min(b, c), lanes.splat(0.25)),
+            lanes.join({
+                let [low, high] = lanes.halves(a);
+                [high, low]
+            }),
         ];
         let four = |x: [f32; 8]| F4::from_array([x[0], x[1], x[2], x[3]]);
         (
@@ -41,6 +45,8 @@ fn eight_lanes_are_those_of_plain_arithmetic() {
     let plain = All.run(Portable);
     assert_eq!(plain.1, [0b0001_1001, 0b1000_1010]);
     assert_eq!(plain.2[1], [1.5, 0.0, 1.125, -2.0]);
+    let [a, b, c, d, e, f, g, h] = A.map(f32::to_bits);
+    assert_eq!(plain.0[4], [e, f, g, h, a, b, c, d]);
     for simd in Simd::all() {
         assert_eq!(simd.run(All), plain, "{simd:?}");
     }
@@ -74,6 +80,16 @@ fn four_lanes_are_those_of_plain_arithmetic() {
     }
     assert_eq!(x.first(), 1.0);
     assert_eq!(F4::from_array([1.9, -1.9, 0.0, 7.0]).truncate(), [1, -1, 0, 7]);
+    assert_eq!(
+        F4::from_whole([1, -1, 0, 1 << 28]).to_array(),
+        [1.0, -1.0, 0.0, 268_435_456.0]
+    );
+    let rows = [[1.0, 2.0, 3.0, 0.0], [4.0, 5.0, 6.0, 0.0], [7.0, 8.0, 9.0, 0.0]].map(F4::from_array);
+    let columns = F4::transpose(rows).map(|v| {
+        let [a, b, c, _] = v.to_array();
+        [a, b, c]
+    });
+    assert_eq!(columns, [[1.0, 4.0, 7.0], [2.0, 5.0, 8.0], [3.0, 6.0, 9.0]]);
     let below = x.below(y);
     assert_eq!(below.bits(), 0b1101);
     assert_eq!(x.not_less(y).bits(), 0b0010);

@@ -90,6 +90,16 @@ impl Lanes for Sse2 {
     }
 
     #[inline(always)]
+    fn halves(self, a: Self::F8) -> [F4; 2] {
+        a.map(F4)
+    }
+
+    #[inline(always)]
+    fn join(self, halves: [F4; 2]) -> Self::F8 {
+        halves.map(|half| half.0)
+    }
+
+    #[inline(always)]
     fn mul_add4(self, a: F4, b: F4, c: F4) -> F4 {
         a.mul(b).add(c)
     }
@@ -135,6 +145,21 @@ macro_rules! one_register {
             let mut out = [0.0; 8];
             unsafe { _mm256_storeu_ps(out.as_mut_ptr(), a) };
             out
+        }
+
+        #[inline(always)]
+        fn halves(self, a: Self::F8) -> [F4; 2] {
+            unsafe {
+                [
+                    F4(_mm256_castps256_ps128(a)),
+                    F4(_mm256_extractf128_ps::<1>(a)),
+                ]
+            }
+        }
+
+        #[inline(always)]
+        fn join(self, [low, high]: [F4; 2]) -> Self::F8 {
+            unsafe { _mm256_set_m128(high.0, low.0) }
         }
 
         #[inline(always)]

@@ -1,5 +1,8 @@
 //! From a [`Scene`] to a [`World`].
 
+mod bounds;
+mod transparency;
+
 use std::{borrow::Cow, collections::HashMap};
 
 use rayon::prelude::*;
@@ -15,20 +18,19 @@ use super::{
     csg::Solid,
     fields,
     kept::{KeptTrees, Key},
-    level::{Instance, Level, PlacedShape, PlacedSphere, Primitive, Rare, TriangleRun, TriangleSource},
+    level::{Instance, Level, PlacedShape, PlacedSphere, Rare, TriangleRun, TriangleSource},
     placing::{normal_matrix, place, similarity},
     tree,
 };
 use crate::{
-    accel::{self, Box32, Kinds},
+    accel::{Box32, Bvh, Kinds},
     diag::{Diagnostic, Error, ErrorKind},
     host::{Host, NoHost},
-    math::{Bounds3, DAffine3, is_singular},
-    scene::{
-        Geometry, Group, GroupId, Material, MaterialId, Mesh, MeshId, Object, ROOT_GROUP, Scene, Shutter,
-    },
+    math::{DAffine3, is_singular},
+    scene::{Geometry, Group, GroupId, Material, Mesh, MeshId, Object, ROOT_GROUP, Scene, Shutter},
     shape::Shape,
 };
+use bounds::union;
 
 /// Levels inside levels. Each takes a search's frames of the tracing thread's stack, which without optimisation are
 /// 42 kB with the plainest instructions: so many need less than 1.5 MiB with all that calls them, and a thread that
@@ -36,9 +38,9 @@ use crate::{
 const MAX_NESTING: usize = 32;
 /// Primitive numbers stay below this, so that sums of two never overflow.
 const MAX_NUMBERS: u64 = 1 << 62;
-/// Most triangles that may be cut in two, for each that there is. On architecture a tenth brings nearly all that a
-/// quarter does; on scans nothing is worth a cut.
-const CUTS: f64 = 0.1;
+/// Most triangles that may be cut in two, for each that there is. On architecture a twentieth brings rays all that a tenth
+/// does, and takes less memory and time; on scans nothing is worth a cut.
+const CUTS: f64 = 0.05;
 /// Least number of primitives that is worth another thread.
 const PIECE: usize = 1024;
 /// Corners that are copied between two looks at the interrupt.
@@ -78,6 +80,16 @@ impl<'s> World<'s> {
         interrupt: &Interrupt<'_>,
     ) -> Result<Self, Error> {
         Self::compile_with(scene, CUTS, trees, interrupt)
+    }
+
+    /// As [`World::compile`], with trees in which no triangle is cut in two: for the benchmark that sets the builder
+    /// beside one that cuts none either.
+    ///
+    /// # Errors
+    /// As [`World::compile`].
+    #[doc(hidden)]
+    pub fn compile_uncut(scene: &'s Scene) -> Result<Self, Error> {
+        Self::compile_with(scene, 0.0, None, &Interrupt::new(&NoHost))
     }
 
     /// Compiles with at most `cuts` cuts for each triangle, which changes no result, and with the trees that are there
@@ -131,14 +143,6 @@ impl<'s> World<'s> {
             }
         }
     }
-}
-
-fn union(primitives: &[accel::Primitive]) -> Box32 {
-    primitives
-        .par_iter()
-        .with_min_len(PIECE)
-        .map(accel::Primitive::bounds)
-        .reduce(|| Box32::EMPTY, |a, b| a.union(&b))
 }
 
 /// How often each mesh is placed.
@@ -355,28 +359,22 @@ impl<'s> Compiler<'s, '_> {
             triangles: level.triangles.len(),
             spheres: level.spheres.len(),
         };
-        let mut primitives: Vec<accel::Primitive> = (0..level.primitives() as u32)
-            .into_par_iter()
-            .with_min_len(PIECE)
-            .map(|index| {
-                if self.interrupt.is_stopped()
-                    || (index as usize).is_multiple_of(PIECE) && self.interrupt.poll()
-                {
-                    return accel::Primitive::new(index, Box32::EMPTY, 0.0);
-                }
-                let bounds = self.bounds(&level, index);
-                let area = level.blocking_area(index, bounds) as f32;
-                let around = bounds.map_or(Box32::EVERYTHING, |b| Box32::around(&b));
-                accel::Primitive::new(index, around, area).with_cuboid(level.cuboid(index).is_some())
-            })
-            .collect();
-        let blocks = &primitives[..kinds.triangles + kinds.spheres];
-        level.extent = f64::from(union(blocks).extent());
+        // Room for what cuts add, so that nothing is moved for it.
+        let mut primitives = Vec::with_capacity(Bvh::room(level.primitives(), kinds, self.cuts));
+        primitives.par_extend(
+            (0..level.primitives() as u32)
+                .into_par_iter()
+                .with_min_len(PIECE)
+                .map(|index| self.boxed(&level, index)),
+        );
+        let (blocks, others) = primitives.split_at(kinds.triangles + kinds.spheres);
+        let around = union(blocks);
+        level.extent = f64::from(around.extent());
         let extents = level
             .cuboids()
             .map(|(index, ..)| primitives[index as usize].bounds().extent());
         level.cuboid_extent = extents.fold(0.0, f32::max);
-        let around = union(&primitives);
+        let around = around.union(&union(others));
         level.bounds = around.extent().is_finite().then(|| around.to_bounds());
         let has_end = level.bounds.is_some();
         match level.rare {
@@ -407,102 +405,6 @@ impl<'s> Compiler<'s, '_> {
         self.levels.push(level);
         self.depths.push(depth);
         Ok(self.levels.len() as u32 - 1)
-    }
-
-    /// A box around each object of a level; `None` for what has no end.
-    #[cold]
-    #[inline(never)]
-    fn parts(&self, level: &Level, count: u32) -> Vec<Option<Bounds3>> {
-        let mut parts = vec![Some(Bounds3::EMPTY); count as usize];
-        for index in 0..level.primitives() as u32 {
-            let object = match level.primitive(index) {
-                Primitive::Triangle(i) => level.run(i).map_or(0, |run| run.object),
-                Primitive::Sphere(i) => level.spheres[i as usize].object,
-                Primitive::Shape(i) => level.shapes[i as usize].object,
-                Primitive::Instance(i) => level.instances[i as usize].object,
-            };
-            if let Some(part) = parts.get_mut(object as usize) {
-                let both = part.as_ref().zip(self.bounds(level, index));
-                *part = both.map(|(a, b)| a.union(&b));
-            }
-        }
-        parts
-    }
-
-    /// See [`Level::transparent`]. A shared mesh takes the material of whoever places it, so it may be
-    /// transparent as soon as anything is.
-    fn transparency(&self, level: &Level) -> Vec<u64> {
-        let transparent: Vec<bool> = self.scene.materials.iter().map(|m| !m.is_opaque()).collect();
-        if !transparent.contains(&true) {
-            return Vec::new();
-        }
-        let objects = level
-            .group
-            .map_or(&[][..], |id| &self.scene.groups[id.index()].objects);
-        let of_object = |object: u32| match objects.get(object as usize) {
-            Some(object) => transparent.get(object.material.index()).copied().unwrap_or(true),
-            None => true,
-        };
-        let mut bits = vec![0u64; level.primitives().div_ceil(64)];
-        let mut mark = |index: usize| bits[index / 64] |= 1 << (index % 64);
-        for (i, run) in level.runs.iter().enumerate() {
-            let end = level
-                .runs
-                .get(i + 1)
-                .map_or(level.triangles.len(), |next| next.first as usize);
-            let inherited = of_object(run.object);
-            let own = match run.source {
-                TriangleSource::Mesh(id) => &self.scene.meshes[id.index()].face_materials[..],
-                TriangleSource::Single(_) => &[],
-            };
-            for index in run.first as usize..end {
-                let material = own
-                    .get(index - run.first as usize)
-                    .copied()
-                    .unwrap_or(MaterialId::INHERIT);
-                if transparent.get(material.index()).copied().unwrap_or(inherited) {
-                    mark(index);
-                }
-            }
-        }
-        for (index, sphere) in level.spheres.iter().enumerate() {
-            if of_object(sphere.object) {
-                mark(level.triangles.len() + index);
-            }
-        }
-        for (index, placed) in level.shapes.iter().enumerate() {
-            if of_object(placed.object) {
-                mark(level.triangles.len() + level.spheres.len() + index);
-            }
-        }
-        bits
-    }
-
-    /// A box around a primitive in its level's space; `None` where it has no end.
-    #[inline]
-    fn bounds(&self, level: &Level, index: u32) -> Option<Bounds3> {
-        match level.primitive(index) {
-            Primitive::Triangle(i) => Some(Bounds3::around(level.corners(i))),
-            Primitive::Sphere(i) => {
-                let sphere = &level.spheres[i as usize];
-                Some(Bounds3::new(
-                    sphere.center - sphere.radius,
-                    sphere.center + sphere.radius,
-                ))
-            }
-            Primitive::Shape(i) => {
-                let placed = &level.shapes[i as usize];
-                let level_from_object = placed.object_from_level.inverse();
-                placed.shape.bounds_under(&level_from_object)
-            }
-            Primitive::Instance(i) => {
-                let instance = &level.instances[i as usize];
-                let inner = &self.levels[instance.level as usize];
-                inner
-                    .bounds
-                    .map(|b| b.transformed(&instance.inner_from_outer.inverse()))
-            }
-        }
     }
 }
 
