@@ -44,9 +44,15 @@ type EvalResult = Result<Dynamic, Box<EvalAltResult>>;
 /// Rhai names closures by a hash; with this seed the names stay the same from run to run.
 const HASHING_SEED: [u64; 4] = [0x7274, 0x7363, 0x7269, 0x7074];
 
-/// What every engine shares: Rhai's packages that touch neither clock nor thread, then ours, which comes first
-/// when a name is looked up.
+/// What every engine shares: Rhai's packages, then ours, which comes first when a name is looked up.
 static MODULES: LazyLock<Vec<Arc<Module>>> = LazyLock::new(|| {
+    let mut modules = rhais_packages();
+    modules.push(Arc::new(scene_module()));
+    modules
+});
+
+/// Rhai's packages that touch neither clock nor thread.
+pub(super) fn rhais_packages() -> Vec<Arc<Module>> {
     vec![
         ArithmeticPackage::new().as_shared_module(),
         LogicPackage::new().as_shared_module(),
@@ -57,9 +63,8 @@ static MODULES: LazyLock<Vec<Arc<Module>>> = LazyLock::new(|| {
         BasicIteratorPackage::new().as_shared_module(),
         BasicStringPackage::new().as_shared_module(),
         MoreStringPackage::new().as_shared_module(),
-        Arc::new(scene_module()),
     ]
-});
+}
 
 /// What scripts see.
 #[cfg(test)]

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     math::Ray,
-    shape::{Crossing, CrossingSink, Crossings, Shape, Sphere, triangle::TriangleRay},
+    shape::{Crossing, CrossingSink, Crossings, Shape, triangle::TriangleRay},
 };
 
 /// One ray's tests of a level's primitives; each tells whether it ends the search.
@@ -76,11 +76,7 @@ impl<const ANY: bool> Exact<'_, '_, '_, ANY> {
         let number = self.base + u64::from(index);
         let probe = self.query.probe;
         let is_start = probe.starts_on(number);
-        let least = probe.least_beyond_start(number);
-        if is_start && Sphere::is_left(sphere.center, sphere.radius, self.ray, least) {
-            return false;
-        }
-        let Some((t0, t1)) = Sphere::roots(sphere.center, sphere.radius, self.ray) else {
+        let Some((t0, t1)) = sphere.roots(self.ray, probe, number) else {
             return false;
         };
         let t = if is_start {

@@ -2,12 +2,12 @@
 
 use std::borrow::Cow;
 
-use super::csg::Solid;
+use super::{csg::Solid, query::Probe};
 use crate::{
     accel::{Bvh, Cuboids, Spheres, Triangles, prefetch},
     math::{Bounds3, DAffine3, DMat3, DVec3, Ray},
     scene::{AnimatedTransform, GroupId, MeshId, TriangleId},
-    shape::{Cuboid, Shape},
+    shape::{Cuboid, Shape, Sphere},
 };
 
 /// The primitives of one group. Their numbers run through the kinds in the order of the fields: triangles,
@@ -81,6 +81,18 @@ pub(super) struct PlacedSphere {
     pub(super) center: DVec3,
     pub(super) radius: f64,
     pub(super) object: u32,
+}
+
+impl PlacedSphere {
+    /// Where the ray crosses the sphere, which has this number; `None` where it does not, or starts on it and leaves it.
+    #[inline(always)]
+    pub(super) fn roots(&self, ray: &Ray, probe: &Probe, number: u64) -> Option<(f64, f64)> {
+        let (center, radius) = (self.center, self.radius);
+        if probe.starts_on(number) && Sphere::is_left(center, radius, ray, probe.least_beyond_start(number)) {
+            return None;
+        }
+        Sphere::roots(center, radius, ray)
+    }
 }
 
 /// Any other shape, with the way into its space.

@@ -16,7 +16,7 @@ use crate::{
     color::Color,
     math::{Ray, max_abs},
     render::polish::shadow_share,
-    shape::{CrossingSink, Crossings, Shape, Sphere, triangle::TriangleRay},
+    shape::{CrossingSink, Crossings, Shape, triangle::TriangleRay},
 };
 
 /// What a shadow ray passes.
@@ -488,18 +488,11 @@ impl<'a, 's, C: Census> Walk<'a, 's, C> {
                 }
             }
             Primitive::Sphere(i) => {
-                let Some(sphere) = self.level.spheres.get(i as usize) else {
+                let sphere = self.level.spheres.get(i as usize);
+                let Some((t0, t1)) = sphere.and_then(|s| s.roots(self.ray, self.probe, number)) else {
                     return Control::Continue;
                 };
-                let is_start = self.probe.starts_on(number);
-                let least = self.probe.least_beyond_start(number);
-                if is_start && Sphere::is_left(sphere.center, sphere.radius, self.ray, least) {
-                    return Control::Continue;
-                }
-                let Some((t0, t1)) = Sphere::roots(sphere.center, sphere.radius, self.ray) else {
-                    return Control::Continue;
-                };
-                if !is_start {
+                if !self.probe.starts_on(number) {
                     return self.meet(index, number, &[t0, t1], self.probe.t_min);
                 }
                 crossings.push(t0, 0);

@@ -1,13 +1,7 @@
 //! What these functions do is what Rhai's do, held against Rhai's own.
 
 use proptest::prelude::*;
-use rhai::{
-    Dynamic, Engine,
-    packages::{
-        ArithmeticPackage, BasicArrayPackage, BasicBlobPackage, BasicIteratorPackage, BasicMapPackage,
-        BasicStringPackage, LogicPackage, MoreStringPackage, Package,
-    },
-};
+use rhai::{Dynamic, Engine};
 
 use super::*;
 use crate::{
@@ -17,20 +11,11 @@ use crate::{
 
 /// An engine with functions of Rhai's alone.
 pub(in crate::script::api) fn rhais() -> Engine {
-    let mut engine = Engine::new_raw();
-    for module in [
-        ArithmeticPackage::new().as_shared_module(),
-        LogicPackage::new().as_shared_module(),
-        BasicArrayPackage::new().as_shared_module(),
-        BasicBlobPackage::new().as_shared_module(),
-        BasicMapPackage::new().as_shared_module(),
-        BasicIteratorPackage::new().as_shared_module(),
-        BasicStringPackage::new().as_shared_module(),
-        MoreStringPackage::new().as_shared_module(),
-    ] {
-        engine.register_global_module(module);
+    let mut rhais = Engine::new_raw();
+    for module in engine::rhais_packages() {
+        rhais.register_global_module(module);
     }
-    engine
+    rhais
 }
 
 pub(in crate::script::api) fn ours() -> Engine {
