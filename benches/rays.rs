@@ -1,10 +1,11 @@
 //! Rays per processor second through a compiled world, for a mesh and rays from files: what `versus/run.py` puts
 //! beside other tracers.
 //!
-//! usage: `cargo bench --bench rays -- MESH.rtsm RAYDIR [--reps N] [--uncut] [--build-only]`; one line of
+//! usage: `cargo bench --bench rays -- MESH.rtsm RAYDIR [--reps N] [--uncut] [--build-only | --packets]`; one line of
 //! comma-separated values for the build (seconds, bytes per triangle, triangles) and for each set of rays (million
-//! rays per processor second, median; hits; rays). With `--uncut` the tree cuts no triangle in two. The formats are
-//! those that `versus/meshes.py` and `versus/embree.cpp` write.
+//! rays per processor second, median; hits; rays). With `--uncut` the tree cuts no triangle in two; with `--packets` camera
+//! rays in squares of 8 x 8 pixels and shadow rays to the samples of an area light are traced one by one and in packets.
+//! The formats are those that `versus/meshes.py` and `versus/embree.cpp` write.
 
 #![allow(
     clippy::unwrap_used,
@@ -132,30 +133,44 @@ enum Question {
     AnyInPackets,
 }
 
-fn hits(world: &World<'_>, rays: &[(Ray, f64)], question: Question) -> usize {
-    let in_packets = |chunk: &[(Ray, f64)]| {
-        let (rays, t_max): (Vec<Ray>, Vec<f64>) = chunk.iter().copied().unzip();
-        if question == Question::AnyInPackets {
-            return world
-                .are_occluded(&rays, &t_max)
-                .iter()
-                .filter(|hit| **hit)
-                .count();
+/// Rays that are traced together, and how far each reaches.
+type Chunk = (Vec<Ray>, Vec<f64>);
+
+fn hits(world: &World<'_>, rays: &[Chunk], question: Question) -> usize {
+    let of_chunk = |(rays, t_max): &Chunk| {
+        let each = rays.iter().zip(t_max);
+        match question {
+            Question::Nearest => each
+                .filter(|(ray, t_max)| world.nearest_t(ray, **t_max).is_some())
+                .count(),
+            Question::Any => each
+                .filter(|(ray, t_max)| world.is_occluded(ray, **t_max))
+                .count(),
+            Question::NearestInPackets => world.nearest_t_many(rays, f64::INFINITY).iter().flatten().count(),
+            Question::AnyInPackets => world.are_occluded(rays, t_max).iter().filter(|hit| **hit).count(),
         }
-        let farthest = t_max.iter().copied().fold(0.0, f64::max);
-        world.nearest_t_many(&rays, farthest).iter().flatten().count()
     };
-    match question {
-        Question::Nearest => rays
-            .iter()
-            .filter(|(ray, t_max)| world.nearest_t(ray, *t_max).is_some())
-            .count(),
-        Question::Any => rays
-            .iter()
-            .filter(|(ray, t_max)| world.is_occluded(ray, *t_max))
-            .count(),
-        _ => rays.chunks(1024).map(in_packets).sum(),
-    }
+    rays.iter().map(of_chunk).sum()
+}
+
+/// Rays in the order in which they are, a thousand to a chunk.
+fn chunks(rays: &[(Ray, f64)]) -> Vec<Chunk> {
+    rays.chunks(1024)
+        .map(|chunk| chunk.iter().copied().unzip())
+        .collect()
+}
+
+/// The rays of a square picture, row by row, in the order in which they are rendered: in squares of 8 x 8.
+fn in_squares(rays: &[(Ray, f64)]) -> Vec<(Ray, f64)> {
+    const EDGE: usize = 8;
+    let width = rays.len().isqrt();
+    let corners = (0..width / EDGE).flat_map(|row| (0..width / EDGE).map(move |column| (row, column)));
+    corners
+        .flat_map(|(row, column)| {
+            let place = move |i| (row * EDGE + i / EDGE) * width + column * EDGE + i % EDGE;
+            (0..EDGE * EDGE).map(move |i| rays[place(i)])
+        })
+        .collect()
 }
 
 fn main() {
@@ -165,9 +180,11 @@ fn main() {
         args.retain(|arg| arg != option);
         args.len() < before
     };
-    let (uncut, build_only) = (has("--uncut"), has("--build-only"));
+    let (uncut, build_only, packets) = (has("--uncut"), has("--build-only"), has("--packets"));
     let [mesh_path, ray_dir] = &args[..] else {
-        println!("usage: cargo bench --bench rays -- MESH.rtsm RAYDIR [--reps N] [--uncut] [--build-only]");
+        println!(
+            "usage: cargo bench --bench rays -- MESH.rtsm RAYDIR [--reps N] [--uncut] [--build-only | --packets]"
+        );
         return;
     };
     let mesh = Arc::new(read_mesh(mesh_path));
@@ -180,26 +197,32 @@ fn main() {
     }
     let read = |set: &str| read_rays(&format!("{ray_dir}/{}.{set}.rays", mesh.name));
     let (primary, ao, shadow) = (read("primary"), read("ao"), read("shadow"));
-    let mut shuffled = ao.clone();
-    shuffle(&mut shuffled);
-    let area = area_light(&world, &primary, &shadow);
-    for (set, rays, question) in [
-        ("primary", &primary, Question::Nearest),
-        ("ao", &ao, Question::Nearest),
-        ("ao-any", &ao, Question::Any),
-        ("ao-shuffled", &shuffled, Question::Nearest),
-        ("shadow", &shadow, Question::Any),
-        ("area", &area, Question::Any),
-        ("primary-packet", &primary, Question::NearestInPackets),
-        ("area-packet", &area, Question::AnyInPackets),
-    ] {
-        let shoot = || hits(&world, rays, question);
+    let sets = if packets {
+        let squares = chunks(&in_squares(&primary));
+        let area = chunks(&area_light(&world, &primary, &shadow));
+        vec![
+            ("squares", squares.clone(), Question::Nearest),
+            ("squares-packet", squares, Question::NearestInPackets),
+            ("area", area.clone(), Question::Any),
+            ("area-packet", area, Question::AnyInPackets),
+        ]
+    } else {
+        let mut shuffled = ao.clone();
+        shuffle(&mut shuffled);
+        let [primary, ao, shuffled, shadow] = [primary, ao, shuffled, shadow].map(|rays| chunks(&rays));
+        vec![
+            ("primary", primary, Question::Nearest),
+            ("ao", ao.clone(), Question::Nearest),
+            ("ao-any", ao, Question::Any),
+            ("ao-shuffled", shuffled, Question::Nearest),
+            ("shadow", shadow, Question::Any),
+        ]
+    };
+    for (set, rays, question) in sets {
+        let count: usize = rays.iter().map(|(rays, _)| rays.len()).sum();
+        let shoot = || hits(&world, &rays, question);
         let met = shoot();
         let times = (0..reps).map(|_| timed(shoot).0).collect();
-        println!(
-            "{set},{:.3},{met},{}",
-            rays.len() as f64 / median(times) * 1e-6,
-            rays.len()
-        );
+        println!("{set},{:.3},{met},{count}", count as f64 / median(times) * 1e-6);
     }
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs Embree and POV-Ray beside rtscript on equal work and prints tables in Markdown.
 
-    benches/versus/run.py [embree] [builds] [povray] [runs] [threads] [--rounds N] [--write]
+    benches/versus/run.py [embree] [packets] [builds] [povray] [runs] [threads] [--rounds N] [--write]
 
 Without names: all of them. Needs g++, povray and libembree-dev, and installs them with apt-get where it may. The
 programs take turns; every figure is a median over the rounds of processor seconds on one thread, so that it hardly
@@ -61,7 +61,7 @@ def run(command, **options):
 def programs(parts):
     """The benchmark programs, built, and the release binary where a part is about pictures."""
     say("building")
-    if set(parts) - {"embree", "builds"}:
+    if set(parts) - {"embree", "builds", "packets"}:
         subprocess.run(["cargo", "build", "--release", "--quiet"], cwd=ROOT, check=True)
     command = ["cargo", "bench", "--no-run", "--bench", "rays", "--bench", "scene", "--message-format=json"]
     output = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout
@@ -149,6 +149,12 @@ def embree_driver():
     return driver
 
 
+def write_rays(driver, name):
+    """The rays of a mesh, where they are not there."""
+    if not (WORK / f"{name}.shadow.rays").exists():
+        run([driver, WORK / f"{name}.rtsm", WORK, "--write-rays", "--reps", "1"])
+
+
 def embree(found, rounds):
     driver, names = embree_driver(), make_meshes()
     rates, counts, triangles = {}, {}, {}
@@ -156,8 +162,7 @@ def embree(found, rounds):
         for name in names:
             say(f"round {turn + 1} of {rounds}: {name}")
             mesh = WORK / f"{name}.rtsm"
-            if not (WORK / f"{name}.shadow.rays").exists():
-                run([driver, mesh, WORK, "--write-rays", "--reps", "1"])
+            write_rays(driver, name)
             for who, command in (
                 ("medium", [driver, mesh, WORK]),
                 ("rtscript", [found["rays"], mesh, WORK]),
@@ -186,6 +191,46 @@ def embree(found, rounds):
         heading = ["mesh", "triangles", *(title for _, title in SETS)]
         note = f"Single rays: rtscript's rate over that of {title}; in brackets rtscript's million rays per processor second.\n\n"
         yield f"embree-{other}", note + table(heading, rows)
+
+
+def packets(found, rounds):
+    """Camera rays in squares and shadow rays to an area light: in packets, beside the same rays one by one."""
+    driver, names = embree_driver(), make_meshes()
+    sets = (("squares", "camera rays"), ("area", "area-light shadows"))
+    rates, counts, triangles = {}, {}, {}
+    for turn in range(rounds):
+        for name in names:
+            say(f"round {turn + 1} of {rounds}: packets, {name}")
+            mesh = WORK / f"{name}.rtsm"
+            write_rays(driver, name)
+            for line in run([found["rays"], mesh, WORK, "--packets", "--reps", "3"])[0].splitlines():
+                what, value, detail, count = line.split(",")
+                if what == "build":
+                    triangles[name] = int(count)
+                else:
+                    rates.setdefault((name, what), []).append(float(value))
+                    counts[name, what] = int(detail)
+    rate = medians(rates)
+    for name in names:
+        for key, _ in sets:
+            if counts[name, key] != counts[name, f"{key}-packet"]:
+                sys.exit(f"{name}, {key}: packets hit another number of rays")
+    ratio = lambda name, key: rate[name, f"{key}-packet"] / rate[name, key]
+    rows = []
+    for name in names:
+        cells = []
+        for key, _ in sets:
+            cells += [f"{rate[name, key]:.1f}", f"{rate[name, f'{key}-packet']:.1f}", f"{ratio(name, key):.2f}"]
+        rows.append([name, f"{triangles[name]:,}", *cells])
+    small = [name for name in names if triangles[name] <= 600_000]
+    means = []
+    for key, _ in sets:
+        means += ["", "", f"**{geometric_mean([ratio(name, key) for name in small]):.2f}**"]
+    rows.append(["**geometric mean**", "up to 0.6 M", *means])
+    heading = ["mesh", "triangles"]
+    for _, title in sets:
+        heading += [f"{title}, one by one", "in packets", "ratio"]
+    yield "packets", table(heading, rows)
 
 
 def builds(found, rounds):
@@ -344,7 +389,7 @@ def threads(found, rounds):
     yield "threads", table(["gallery scene", "1 thread, wall s", "2 threads", "ratio", "ratio of tracing alone"], rows)
 
 
-PARTS = {"embree": embree, "builds": builds, "povray": scenes, "runs": whole_runs, "threads": threads}
+PARTS = {"embree": embree, "packets": packets, "builds": builds, "povray": scenes, "runs": whole_runs, "threads": threads}
 
 
 def main():

@@ -2,7 +2,7 @@
 //! alone, so neither tiles nor threads nor the part that is rendered change it.
 
 use super::{
-    integrator::{self, Counts, Stack},
+    integrator::{self, Counts, Sight, Stack},
     interrupt::Interrupt,
     shots::{Mean, Shots},
     world::{Moments, World},
@@ -190,10 +190,9 @@ impl Pixels<'_> {
                 let shot = self.shots.shot(pixel, look.samples * eyes + eye);
                 let light = shot.probe.map_or(Color::ZERO, |probe| {
                     let world = moments.at(&shot);
-                    let first = world.nearest(&probe, f64::INFINITY);
                     integrator::radiance(
                         world,
-                        (probe, first),
+                        Sight::new(world, &probe),
                         shot.sampler,
                         self.interrupt,
                         stack,

@@ -2,7 +2,7 @@
 
 use super::{
     interrupt::Interrupt,
-    lighting::{self, Gloss},
+    lighting::{self, Gloss, Known},
     observe::{AtTheEnd, Observer, RayKind},
     path::Path,
     polish::{self, Inside, Polished},
@@ -40,6 +40,31 @@ impl Counts {
     }
 }
 
+/// A camera ray and what it meets first.
+pub(super) struct Sight<'w, 'a> {
+    pub(super) probe: &'a Probe,
+    pub(super) hit: Option<Hit>,
+    /// How it looks there, and which lights reach it, where that is known already. By reference: a surface's point is too
+    /// large to be moved for each ray.
+    pub(super) ahead: Option<(&'a SurfacePoint<'w>, Known<'a>)>,
+}
+
+impl<'a> Sight<'_, 'a> {
+    /// The ray of which no more is known than what it meets.
+    pub(super) fn new(world: &World<'_>, probe: &'a Probe) -> Self {
+        Self::met(probe, world.nearest(probe, f64::INFINITY))
+    }
+
+    /// The ray and what it meets.
+    pub(super) fn met(probe: &'a Probe, hit: Option<Hit>) -> Self {
+        Self {
+            probe,
+            hit,
+            ahead: None,
+        }
+    }
+}
+
 /// A ray still to be traced.
 #[derive(Clone, Copy, Debug)]
 struct Pending {
@@ -64,28 +89,35 @@ pub(super) const LEAST_WEIGHT: f64 = 1.0 / (1 << 20) as f64;
 const POINTS_PER_POLL: u64 = 64;
 
 /// Light along a camera ray, of which it is known what it meets first.
-pub(super) fn radiance<O: Observer>(
-    world: &World<'_>,
-    (probe, first): (Probe, Option<Hit>),
+pub(super) fn radiance<'w, 'a, O: Observer>(
+    world: &World<'w>,
+    Sight {
+        probe,
+        mut hit,
+        ahead,
+    }: Sight<'w, 'a>,
     sampler: Sampler,
-    interrupt: &Interrupt<'_>,
+    interrupt: &'a Interrupt<'a>,
     Stack(waiting): &mut Stack,
     counts: &mut Counts,
     observer: &mut O,
 ) -> Color {
     let settings = &world.scene.settings;
     let mut path = Path::new(sampler, interrupt);
+    let mut first = ahead.map(|(point, known)| {
+        path.known = known;
+        point
+    });
     let mut sum = Color::ZERO;
     waiting.clear();
     // Changed in place, because it is too large to be moved for each ray.
     let mut current = Pending {
-        probe,
+        probe: *probe,
         weight: Color::ONE,
         depth: 0,
         inside: Inside::default(),
         before: 0.0,
     };
-    let mut hit = first;
     counts.camera += 1;
     loop {
         if interrupt.is_stopped() {
@@ -101,14 +133,32 @@ pub(super) fn radiance<O: Observer>(
         } = current;
         observer.ray(ray, weight, depth);
         let goes_on = 'point: {
-            let mut point = hit.as_ref().and_then(|hit| world.surface(hit, ray));
-            if let (Some(hit), Some(at)) = (&mut hit, &mut point)
-                && !at.material.transmission.is_black()
-            {
-                prefer_opaque(world, &current.probe, hit, at);
-            }
-            // By reference: a surface's point is too large to be moved for each ray.
-            let (Some(hit), Some(at)) = (&hit, &mut point) else {
+            let footprint;
+            let (mut own, mut relieved) = (None, None);
+            let point = match first.take() {
+                None => {
+                    if let Some(hit) = &hit {
+                        world.surface_into(hit, ray, &mut own);
+                    }
+                    if let (Some(hit), Some(at)) = (&mut hit, &mut own) {
+                        if !at.material.transmission.is_black() {
+                            prefer_opaque(world, &current.probe, hit, at);
+                        }
+                        if world.needs_width {
+                            before += (at.position - ray.origin).length();
+                            let width = world.pixel_width(before);
+                            world.measure(hit, ray, at, width);
+                            if world.needs_footprint {
+                                footprint = world.footprint(hit, ray, at, width);
+                                at.footprint = footprint.as_ref();
+                            }
+                        }
+                    }
+                    own.as_ref()
+                }
+                ready => ready,
+            };
+            let (Some(hit), Some(mut at)) = (&hit, point) else {
                 if inside.is_any() {
                     weight *= polish::dimmed(world, inside, ray, None, &path);
                     observer.dimmed(weight);
@@ -130,24 +180,16 @@ pub(super) fn radiance<O: Observer>(
                 sum += added;
                 break 'point false;
             };
-            let footprint;
-            if world.needs_width {
-                before += (at.position - ray.origin).length();
-                let width = world.pixel_width(before);
-                world.measure(hit, ray, at, width);
-                if world.needs_footprint {
-                    footprint = world.footprint(hit, ray, at, width);
-                    at.footprint = footprint.as_ref();
-                }
-            }
             let mut polished = None;
             if inside.is_any() || at.material.finish.is_some() {
                 weight *= polish::dimmed(world, inside, ray, Some((hit, at)), &path);
                 observer.dimmed(weight);
-                let finish = at.material.finish.as_deref();
-                polished = finish.map(|finish| Polished::new(world, finish, (hit, ray), at, inside, &path));
+                if let Some(finish) = at.material.finish.as_deref() {
+                    let relieved = relieved.insert(*at);
+                    polished = Some(Polished::new(world, finish, (hit, ray), relieved, inside, &path));
+                    at = relieved;
+                }
             }
-            let at = &*at;
             observer.surface(hit, ray, at);
             let term = |term| world.term(term, at);
             let m = at.material;
@@ -191,6 +233,7 @@ pub(super) fn radiance<O: Observer>(
             observer.shaded(ambient, emission, direct, added);
             sum += added;
             path.vertex += 1;
+            path.known = Known::default();
             if path.vertex.is_multiple_of(POINTS_PER_POLL) && interrupt.poll() {
                 return Color::ZERO;
             }

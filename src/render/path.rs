@@ -2,6 +2,7 @@
 
 use super::{
     interrupt::Interrupt,
+    lighting::Known,
     sampler::{Hashed, Sampler},
 };
 use crate::accel::{Exact, Four};
@@ -11,6 +12,8 @@ pub(super) struct Path<'i> {
     sampler: Sampler,
     /// Points shaded before this one in the same sample.
     pub(super) vertex: u64,
+    /// What is known beforehand of the lights there.
+    pub(super) known: Known<'i>,
     /// Asked where one point may take long.
     pub(super) interrupt: &'i Interrupt<'i>,
 }
@@ -34,6 +37,7 @@ impl<'i> Path<'i> {
         Self {
             sampler,
             vertex: 0,
+            known: Known::default(),
             interrupt,
         }
     }

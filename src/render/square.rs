@@ -6,11 +6,12 @@
 )]
 
 use super::{
-    integrator::{self, Counts, Stack},
+    integrator::{self, Counts, Sight, Stack},
     interrupt::Interrupt,
+    lighting::Ahead,
     sampler::Sampler,
     shots::{Mean, Shot, Shots},
-    world::{Moments, PACKET, Probe, World},
+    world::{Hit, Moments, PACKET, Probe, World},
 };
 use crate::color::Color;
 
@@ -28,6 +29,41 @@ pub(super) struct Square<'a> {
     pub(super) size: (u32, u32),
 }
 
+/// What camera rays meet that are traced together.
+struct Met<'w> {
+    hits: [Option<Hit>; PACKET],
+    /// Where it is of use to know all points before the first is shaded.
+    ahead: Option<Ahead<'w>>,
+}
+
+impl<'w> Met<'w> {
+    fn new(world: &World<'w>) -> Self {
+        Self {
+            hits: [None; PACKET],
+            ahead: Ahead::is_of_use(world).then(Ahead::default),
+        }
+    }
+
+    /// Traces up to [`PACKET`] rays.
+    fn trace(&mut self, world: &World<'w>, probes: &[Probe], interrupt: &Interrupt<'_>, counts: &mut Counts) {
+        let hits = &mut self.hits[..probes.len()];
+        world.nearest_many(probes, f64::INFINITY, hits);
+        if let Some(ahead) = &mut self.ahead {
+            ahead.look(world, probes, hits, interrupt, &mut counts.luck);
+        }
+    }
+
+    /// Ray `i` of those, which is this one.
+    #[inline(always)]
+    fn first<'a>(&'a self, i: usize, probe: &'a Probe) -> Sight<'w, 'a> {
+        Sight {
+            probe,
+            hit: self.hits[i],
+            ahead: self.ahead.as_ref().and_then(|ahead| ahead.of(i)),
+        }
+    }
+}
+
 impl Square<'_> {
     /// Calls `visit` with each pixel's place, counted row by row, and the mean of its samples, summed in order.
     pub(super) fn trace(&self, stack: &mut Stack, counts: &mut Counts, mut visit: impl FnMut(u32, Color)) {
@@ -37,6 +73,7 @@ impl Square<'_> {
         let samples = self.shots.count();
         let pixels = self.size.0 * self.size.1;
         let mut sums = [Color::ZERO; PACKET];
+        let mut met = Met::new(self.world);
         let at_once = (PACKET as u32 / pixels.max(1)).max(1);
         for first in (0..samples).step_by(at_once as usize) {
             let indices = first..samples.min(first + at_once);
@@ -47,17 +84,23 @@ impl Square<'_> {
             for i in 1..len {
                 (probes[i], samplers[i]) = self.plain(i, first, count);
             }
-            let mut hits = [None; PACKET];
-            let hits = &mut hits[..len];
-            self.world.nearest_many(&probes[..len], f64::INFINITY, hits);
-            for (((probe, sampler), hit), i) in probes.iter().zip(&samplers).zip(hits).zip(0..) {
+            let probes = &probes[..len];
+            met.trace(self.world, probes, self.interrupt, counts);
+            for ((probe, sampler), i) in probes.iter().zip(&samplers).zip(0..) {
                 let index = first + (i % count) as u32;
                 if index % SAMPLES_PER_POLL == SAMPLES_PER_POLL - 1 && self.interrupt.poll() {
                     return;
                 }
-                let seen = (*probe, *hit);
-                let light =
-                    integrator::radiance(self.world, seen, *sampler, self.interrupt, stack, counts, &mut ());
+                let first = met.first(i, probe);
+                let light = integrator::radiance(
+                    self.world,
+                    first,
+                    *sampler,
+                    self.interrupt,
+                    stack,
+                    counts,
+                    &mut (),
+                );
                 sums[i / count] += light;
             }
         }
@@ -115,7 +158,7 @@ impl Square<'_> {
             let shot = self.shots.shot(self.place(pixel), index);
             let world = moments.at(&shot);
             let light = shot.probe.map_or(Color::ZERO, |probe| {
-                let first = (probe, world.nearest(&probe, f64::INFINITY));
+                let first = Sight::new(world, &probe);
                 integrator::radiance(world, first, shot.sampler, self.interrupt, stack, counts, &mut ())
             });
             seen(pixel, light, shot.weight);
@@ -138,7 +181,7 @@ impl Square<'_> {
         let mut since_poll = 0;
         let mut shots: Vec<(u32, Shot)> = Vec::with_capacity(PACKET);
         let mut probes: Vec<Probe> = Vec::with_capacity(PACKET);
-        let mut hits = [None; PACKET];
+        let mut met = Met::new(self.world);
         loop {
             shots.clear();
             probes.clear();
@@ -150,29 +193,26 @@ impl Square<'_> {
             if shots.is_empty() {
                 return true;
             }
-            self.world
-                .nearest_many(&probes, f64::INFINITY, &mut hits[..probes.len()]);
-            let mut hits = hits.iter();
+            met.trace(self.world, &probes, self.interrupt, counts);
+            let mut traced = 0;
             for (pixel, shot) in &shots {
                 since_poll += 1;
                 if since_poll % SAMPLES_PER_POLL == 0 && self.interrupt.poll() {
                     return false;
                 }
-                let light = match (shot.probe, hits.as_slice()) {
-                    (Some(probe), [hit, ..]) => {
-                        hits.next();
-                        integrator::radiance(
-                            self.world,
-                            (probe, *hit),
-                            shot.sampler,
-                            self.interrupt,
-                            stack,
-                            counts,
-                            &mut (),
-                        )
-                    }
-                    _ => Color::ZERO,
-                };
+                let light = shot.probe.map_or(Color::ZERO, |probe| {
+                    let first = met.first(traced, &probe);
+                    traced += 1;
+                    integrator::radiance(
+                        self.world,
+                        first,
+                        shot.sampler,
+                        self.interrupt,
+                        stack,
+                        counts,
+                        &mut (),
+                    )
+                });
                 seen(*pixel, light, shot.weight);
             }
         }

@@ -112,6 +112,7 @@ impl RayPacket {
         let zero = w.splat(0.0);
         let least_slack = w.sub(zero, slack);
         let least_t = w.splat(self.t_least);
+        let certain_share = w.splat(self.certain_share);
         let (shrink, grow) = (w.splat(1.0 - 1e-6), w.splat(1.0 + 1e-6));
         let infinity = w.splat(f32::INFINITY);
         let id = w.splat(f32::from_bits(id));
@@ -151,9 +152,10 @@ impl RayPacket {
             let low = w.mul(w.div(t_low, det_high), shrink);
             let high = w.mul(w.div(t_high, w.sub(det, slack_det)), grow);
             let inside = w.min(w.sub(rest, slack), w.min(u, v));
+            let before = if ANY { w.mul(bound, certain_share) } else { bound };
             let certain = w.and(
                 w.and(face_on, w.below(slack, inside)),
-                w.and(w.below(least_t, low), w.below(high, bound)),
+                w.and(w.below(least_t, low), w.below(high, before)),
             );
             if ANY {
                 met.possible |= possible << shift;
@@ -180,22 +182,38 @@ impl RayPacket {
         met
     }
 
-    /// Which of the `active` rays come within reach of a block's sphere before their bound.
+    /// Which of the `active` rays come within reach of a block's sphere before their bound, and with `ANY` which hit it for
+    /// certain: where the first crossing lies is known as in `accel/blocks.rs`.
     #[inline(always)]
-    pub(super) fn sphere<W: Wide>(&self, w: W, block: &Spheres, lane: usize, active: u64) -> u64 {
+    pub(super) fn sphere<W: Wide, const ANY: bool>(
+        &self,
+        w: W,
+        block: &Spheres,
+        lane: usize,
+        active: u64,
+    ) -> Met {
         let lane = lane & (BLOCK - 1);
         let mut f = [0.0; 3];
         for (k, f) in f.iter_mut().enumerate() {
             *f = block.center[k][lane] - self.origin[k];
         }
         let f = w.splat3(f);
-        let reach = block.radius[lane] + self.slack.t;
+        let radius = block.radius[lane];
+        let reach = radius + self.slack.t;
+        let mut met = Met {
+            possible: 0,
+            certain: 0,
+        };
         if !(reach >= 0.0) {
-            return 0;
+            return met;
         }
+        // As much larger than what is allowed for above as it is for single rays.
+        let slack = 1.1 * self.slack.t;
+        let core = (radius * (1.0 - 4e-6) - slack).max(0.0);
+        let (core2, half_slack) = (w.splat(core * core), w.splat(slack * (0.5 + 1e-6)));
+        let (least_t, certain_share) = (w.splat(self.t_least), w.splat(self.certain_share));
         let (reach2, half_reach) = (w.splat(reach * reach), w.splat(reach * (0.5 + 1e-6)));
         let zero = w.splat(0.0);
-        let mut possible = 0;
         let all = u64::MAX >> (PACKET - W::LANES);
         for group in 0..PACKET / W::LANES {
             let shift = group * W::LANES;
@@ -213,12 +231,24 @@ impl RayPacket {
             ];
             // 1 / |d| is at most the mean of 1 and 1 / |d|^2, and nearly that where d is nearly a unit vector.
             let around = w.mul_add(half_reach, inverse_dd, half_reach);
-            let outside = w.bits(w.below(reach2, w.dot(l, l)))
+            let (aside2, near) = (w.dot(l, l), w.sub(t, around));
+            let bound = w.load(&self.bound, group);
+            let outside = w.bits(w.below(reach2, aside2))
                 | w.bits(w.below(w.add(around, t), zero))
-                | w.bits(w.below(w.load(&self.bound, group), w.sub(t, around)));
-            possible |= (!outside & here) << shift;
+                | w.bits(w.below(bound, near));
+            let possible = !outside & here;
+            met.possible |= possible << shift;
+            if ANY && possible != 0 {
+                let give = w.mul_add(half_slack, inverse_dd, half_slack);
+                let before = w.mul(bound, certain_share);
+                let certain = w.and(
+                    w.below(aside2, core2),
+                    w.and(w.below(least_t, near), w.below(w.add(t, give), before)),
+                );
+                met.certain |= (w.bits(certain) & possible) << shift;
+            }
         }
-        possible
+        met
     }
 }
 
@@ -323,6 +353,7 @@ mod tests {
             extent,
             t_min: 0.0,
             skip: NONE,
+            ends: None,
         };
         let bounds = vec![f32::INFINITY; rays.len()];
         let filled = packet.fill(Plain, rays, &bounds, &search);
@@ -396,7 +427,7 @@ mod tests {
     #[test]
     fn no_sphere_that_f64_hits_is_dropped() {
         let mut next = random();
-        let (mut hits, mut dropped) = (0, 0);
+        let (mut hits, mut certain, mut dropped) = (0, 0, 0);
         for round in 0..cases(40_000) {
             let scale = [1.0, 1e-4, 1e6][round % 3];
             let mut vector = |k: f64| DVec3::new(next(), next(), next()) * k;
@@ -417,16 +448,24 @@ mod tests {
             };
             let mut block = Spheres::EMPTY;
             block.set(1, 3, center, radius);
-            assert_eq!(packet.sphere(Plain, &block, 0, u64::MAX), 0, "an empty lane");
-            let possible = packet.sphere(Plain, &block, 1, (1 << rays.len()) - 1);
+            let of_none = packet.sphere::<_, true>(Plain, &block, 0, u64::MAX);
+            assert_eq!(of_none.possible | of_none.certain, 0, "an empty lane");
+            let met = packet.sphere::<_, true>(Plain, &block, 1, (1 << rays.len()) - 1);
             for (i, ray) in rays.iter().enumerate() {
-                let hit = Sphere::roots(center, radius, ray).is_some_and(|(_, t1)| t1 > 0.0);
-                let possible = possible >> i & 1 == 1;
+                let roots = Sphere::roots(center, radius, ray);
+                let hit = roots.is_some_and(|(_, t1)| t1 > 0.0);
+                let (possible, sure) = (met.possible >> i & 1 == 1, met.certain >> i & 1 == 1);
                 assert!(possible || !hit, "round {round}: {ray:?} {center} {radius}");
+                let first = roots.map_or(f64::NAN, |(t0, _)| t0);
+                assert!(!sure || first > 0.0, "round {round}: {ray:?} {center} {radius}");
                 hits += usize::from(hit);
+                certain += usize::from(sure);
                 dropped += usize::from(!possible);
             }
         }
-        assert!(hits > cases(50_000) && dropped > cases(5_000), "{hits} {dropped}");
+        assert!(
+            hits > cases(50_000) && certain > cases(30_000) && dropped > cases(5_000),
+            "{hits} {certain} {dropped}"
+        );
     }
 }

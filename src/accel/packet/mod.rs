@@ -57,8 +57,12 @@ pub struct RayPacket {
     nearest_low: Row,
     /// Nothing nearer counts as certain.
     t_least: f32,
-    /// The triangle that the rays start on.
+    /// Nor what lies beyond this share of the bound.
+    certain_share: f32,
+    /// The primitive that all rays start on.
     skip: u32,
+    /// The primitive that each ray starts or ends on.
+    own: [u32; PACKET],
     slack: Slack,
     pyramid: Pyramid,
     /// What all rays' directions agree about, by axis.
@@ -90,14 +94,30 @@ struct Pyramid {
 
 /// What a packet is made for.
 #[derive(Clone, Copy, Debug)]
-pub struct Search {
+pub struct Search<'a> {
     /// Largest coordinate of the level's triangles and spheres.
     pub extent: f64,
     /// Least distance that counts, for every ray.
     pub t_min: f64,
-    /// The triangle that the rays start on, or [`NONE`](super::NONE).
+    /// The primitive that the rays start on, or [`NONE`](super::NONE).
     pub skip: u32,
+    /// Where they end, if they are followed backwards.
+    pub ends: Option<Ends<'a>>,
 }
+
+/// Where rays end that lead from one point to one of their own each: shadow rays towards a light, followed backwards. What
+/// is decided in f64 is the ray from the end to the light; that the two differ by the rounding of an end is within what the
+/// tests allow for.
+#[derive(Clone, Copy, Debug)]
+pub struct Ends<'a> {
+    /// Largest coordinate of them all.
+    pub extent: f64,
+    /// The primitive that each lies on, or [`NONE`](super::NONE).
+    pub primitives: &'a [u32],
+}
+
+/// What of a way that is followed backwards may hold certain hits: as much as that is left out before its end.
+pub const BEFORE_END: f32 = 1e-5;
 
 impl RayPacket {
     /// A packet of no rays, to be filled.
@@ -112,7 +132,9 @@ impl RayPacket {
         nearest_id: [0.0; PACKET],
         nearest_low: [f32::INFINITY; PACKET],
         t_least: 0.0,
+        certain_share: 1.0,
         skip: super::NONE,
+        own: [super::NONE; PACKET],
         slack: Slack::NONE,
         pyramid: Pyramid {
             axes: [2, 0, 1],
@@ -142,7 +164,7 @@ impl RayPacket {
     /// Fills the packet with rays that ask for t up to `bounds`. False where it is not worth it or where numbers
     /// leave the range in which the error bounds hold: one origin, one main direction, sizes within reason.
     #[inline(always)]
-    fn fill<W: Wide>(&mut self, w: W, rays: &[Ray], bounds: &[f32], search: &Search) -> bool {
+    fn fill<W: Wide>(&mut self, w: W, rays: &[Ray], bounds: &[f32], search: &Search<'_>) -> bool {
         let Some(first) = rays.first() else {
             return false;
         };
@@ -174,18 +196,29 @@ impl RayPacket {
 
     /// Takes note of the origin. False where it or the level is too large or too small.
     #[inline(always)]
-    fn place(&mut self, origin: DVec3, search: &Search) -> bool {
+    fn place(&mut self, origin: DVec3, search: &Search<'_>) -> bool {
+        let ends = search.ends.map_or(0.0, |ends| ends.extent);
         self.origin = origin.to_array().map(|x| x as f32);
         // A whole unit in the last place to either side, where rounding took half of one at the most.
-        let ulp = |x: f32| x.abs() * f32::EPSILON + f32::MIN_POSITIVE;
+        // Rays that are followed backwards are off by less of their ends' coordinates.
+        let ulp = |x: f32| x.abs().max(ends as f32) * f32::EPSILON + f32::MIN_POSITIVE;
         self.origin_up = self.origin.map(|x| x + ulp(x));
         self.origin_down = self.origin.map(|x| x - ulp(x));
         self.t_least = round_up(search.t_min);
         self.skip = search.skip;
+        match search.ends {
+            None => self.own.fill(search.skip),
+            Some(Ends { primitives, .. }) => {
+                self.certain_share = 1.0 - BEFORE_END;
+                for (own, id) in self.own.iter_mut().zip(primitives) {
+                    *own = *id;
+                }
+            }
+        }
         let size = if search.extent == 0.0 {
             1.0
         } else {
-            search.extent.max(max_abs(origin))
+            search.extent.max(max_abs(origin)).max(ends)
         };
         self.slack = Slack::new(size as f32 * (1.0 + ROUNDING), 0.0);
         (1e-6..=1e9).contains(&size) && max_abs(origin) <= 1e9

@@ -157,6 +157,7 @@ fn search<const ANY: bool>(place: &Place<'_>, extent: f64, exact: &mut Exact<'_,
         extent,
         t_min: 0.0,
         skip: NONE,
+        ends: None,
     };
     let rays = exact.rays;
     let together = packet.search::<ANY>(place, rays, &bounds, &search, exact);
@@ -191,6 +192,7 @@ fn packets_find_what_their_rays_hit() {
                 let (center, radius) = things.spheres[id as usize - spheres];
                 block.set(lane, id, center, radius);
             }),
+            first_sphere: 0,
             cuboids: &blocks(&leaves.cuboids, Cuboids::EMPTY, |block, lane, id| {
                 let Bounds3 { min, max } = things.boxes[id as usize - first_box];
                 block.set(

@@ -37,7 +37,7 @@ pub trait Decide {
     /// Rays, one bit for each, may hit a box or a primitive of another kind. The answers go to
     /// [`RayPacket::lower_bound`].
     fn other(&mut self, rays: u64, index: u32, packet: &mut RayPacket);
-    /// Whether a triangle that is certainly hit ends the search of whoever hits it.
+    /// Whether a triangle or sphere that is certainly hit, a primitive of this number, ends the search of whoever hits it.
     fn ends(&self, id: u32) -> bool;
 }
 
@@ -50,6 +50,8 @@ pub struct Place<'a> {
     pub triangles: &'a [Triangles],
     /// Blocks of spheres.
     pub spheres: &'a [Spheres],
+    /// What is added to the number of a sphere for its number among all primitives.
+    pub first_sphere: u32,
     /// Blocks of boxes.
     pub cuboids: &'a [Cuboids],
     /// Largest coordinate of the boxes in those.
@@ -114,7 +116,7 @@ impl RayPacket {
         place: &Place<'_>,
         rays: &[Ray],
         bounds: &[f32],
-        search: &Search,
+        search: &Search<'_>,
         decide: &mut impl Decide,
     ) -> bool {
         #[cfg(target_arch = "x86_64")]
@@ -134,7 +136,7 @@ impl RayPacket {
         place: &Place<'_>,
         rays: &[Ray],
         bounds: &[f32],
-        search: &Search,
+        search: &Search<'_>,
         decide: &mut impl Decide,
     ) -> bool {
         // SAFETY: the caller's promise.
@@ -149,7 +151,7 @@ impl RayPacket {
         place: &Place<'_>,
         rays: &[Ray],
         bounds: &[f32],
-        search: &Search,
+        search: &Search<'_>,
         decide: &mut impl Decide,
     ) -> bool {
         if !self.fill(w, rays, bounds, search) {
@@ -376,7 +378,9 @@ impl RayPacket {
                             }
                         }
                         for ray in rays(possible) {
-                            self.add_pending(ray, id, lowest[ray], pending, decide);
+                            if self.own[ray] != id {
+                                self.add_pending(ray, id, lowest[ray], pending, decide);
+                            }
                         }
                     }
                 }
@@ -385,7 +389,23 @@ impl RayPacket {
                 for block in &place.spheres[leaf.range()] {
                     for lane in 0..BLOCK {
                         let id = block.ids[lane];
-                        for ray in rays(self.sphere(w, block, lane, active)) {
+                        let mut met = self.sphere::<W, ANY>(w, block, lane, active);
+                        let index = place.first_sphere.wrapping_add(id);
+                        if ANY && met.certain != 0 && decide.ends(index) {
+                            for ray in rays(met.certain) {
+                                if self.own[ray] == index {
+                                    met.certain &= !(1 << ray);
+                                } else {
+                                    self.bound[ray] = DONE;
+                                }
+                            }
+                            met.possible &= !met.certain;
+                            active &= !met.certain;
+                            if active == 0 {
+                                return;
+                            }
+                        }
+                        for ray in rays(met.possible) {
                             self.lower_bound(ray, decide.sphere(ray, id));
                         }
                     }

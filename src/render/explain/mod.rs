@@ -7,7 +7,7 @@ mod tests;
 pub(crate) use super::shots::Mean;
 use super::{
     adaptive::Pixels,
-    integrator::{self, Counts, Stack},
+    integrator::{self, Counts, Sight, Stack},
     interrupt::Interrupt,
     observe::RayKind,
     shots::Shots,
@@ -377,11 +377,11 @@ impl<'s> World<'s> {
         let mut moments = Moments::new(self);
         let world = moments.at(&shot);
         let mut recorder = Recorder::new(world);
-        let seen = (probe, world.nearest(&probe, f64::INFINITY));
+        let first = Sight::new(world, &probe);
         let (mut stack, mut counts) = (Stack::default(), Counts::default());
         let value = integrator::radiance(
             world,
-            seen,
+            first,
             shot.sampler,
             &interrupt,
             &mut stack,

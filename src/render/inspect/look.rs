@@ -10,7 +10,7 @@ use crate::{
     math::{Bounds3, DVec2, DVec3, Ray},
     render::{
         by_rows,
-        integrator::{self, Counts, Stack},
+        integrator::{self, Counts, Sight, Stack},
         invalid_samples,
         lighting::Lit,
         observe::{Arrived, Observer},
@@ -87,7 +87,7 @@ pub(super) fn look(world: &World<'_>, host: &dyn Host) -> Result<Vec<Diagnostic>
         let mut counts = Counts::default();
         integrator::radiance(
             world,
-            (probe, first),
+            Sight::met(&probe, first),
             shot.sampler,
             interrupt,
             &mut Stack::default(),

@@ -1,6 +1,6 @@
 //! Area lights: their points as a surface sees them, several at once, and the light that comes from there.
 
-use super::{Counts, Gloss, Lamp, Lit, Luck, Observer, Path, together::Together};
+use super::{Counts, Gloss, Lamp, Lit, Observer, Path, Tries, together::Together};
 use crate::{
     accel::{self, Exact, Four, Lanes, Mask, Task},
     color::Color,
@@ -198,7 +198,7 @@ impl<O: Observer> Task for AddArea<'_, '_, O> {
         } = self;
         let at = lit.at.position;
         let firsts = (0..area.n * area.n).step_by(LANES);
-        if let Some(few) = lit.obstacles(area, &mut counts.luck) {
+        if let Some(few) = lit.obstacles(area, &mut counts.luck.obstacles) {
             for first in firsts {
                 let samples = area.samples(lanes, first, at, path);
                 lit.add_samples(sum, area.color, &samples, &few, counts, observer);
@@ -236,14 +236,14 @@ impl Lit<'_> {
     }
 
     /// What may stand before an area light, where that is little.
-    fn obstacles(&self, area: &Area<'_>, luck: &mut Luck) -> Option<FewObstacles> {
+    fn obstacles(&self, area: &Area<'_>, tries: &mut Tries) -> Option<FewObstacles> {
         // One ray finds out as much.
-        if area.n == 1 || !luck.is_worth_a_try() {
+        if area.n == 1 || !tries.are_worth_one() {
             return None;
         }
         let rays = (area.n * area.n) as usize;
         let few = self.world.obstacles(self.at, self.number, area.corners(), rays);
-        luck.remember(few.is_some());
+        tries.remember(few.is_some());
         few
     }
 

@@ -5,6 +5,7 @@
     reason = "buffers of a fixed number of samples are filled and read up to the same count"
 )]
 
+mod ahead;
 mod area;
 mod around;
 mod faint;
@@ -15,6 +16,7 @@ mod surface;
 mod tests;
 mod together;
 
+pub(super) use ahead::{Ahead, Known};
 pub(super) use around::{openness, scattered};
 pub(super) use faint::highlights;
 pub(super) use kinds::shines_at;
@@ -99,6 +101,11 @@ pub(super) fn direct<O: Observer>(
                 position,
                 attenuation,
             } => {
+                if let Some((is_lit, way)) = path.known.of(index) {
+                    let color = light.color * attenuation.at(way.1);
+                    lit.add_known(&mut sum, color, way, is_lit, counts, observer);
+                    continue;
+                }
                 let offset = *position - at.position;
                 if lit.is_behind(offset) {
                     continue;
@@ -141,10 +148,10 @@ pub(super) fn direct<O: Observer>(
 /// What points have in common with those before them, which changes the time a picture takes and nothing else.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Luck {
-    /// Whether looking for the obstacles before area lights led to anything lately. After misses in a row it is left out
-    /// for a while.
-    misses: u32,
-    pause: u32,
+    /// Looking for the obstacles before area lights.
+    obstacles: Tries,
+    /// Looking ahead at the lights of neighboring pixels.
+    ahead: Tries,
     /// The primitives that stood before lights, by the number of the light; any number will do at the beginning.
     before: [u64; Self::LIGHTS],
 }
@@ -158,8 +165,17 @@ impl Luck {
     fn before(&mut self, light: usize) -> &mut u64 {
         &mut self.before[light % Self::LIGHTS]
     }
+}
 
-    fn is_worth_a_try(&mut self) -> bool {
+/// Whether something that may spare work led to anything lately. After misses in a row it is left out for a while.
+#[derive(Clone, Copy, Debug, Default)]
+struct Tries {
+    misses: u32,
+    pause: u32,
+}
+
+impl Tries {
+    fn are_worth_one(&mut self) -> bool {
         let now = self.pause == 0;
         self.pause = self.pause.saturating_sub(1);
         now
@@ -229,6 +245,26 @@ impl Lit<'_> {
         let response = self.respond(way.0);
         if response != Color::ZERO {
             *sum += self.arrived_after(last, way, (arriving, response), observer);
+        }
+    }
+
+    /// As [`Lit::add`], where it is known whether anything opaque is before the point.
+    #[inline]
+    fn add_known<O: Observer>(
+        &self,
+        sum: &mut Color,
+        arriving: Color,
+        (towards, distance): (DVec3, f64),
+        is_lit: bool,
+        counts: &mut Counts,
+        observer: &mut O,
+    ) {
+        let response = self.respond(towards);
+        if response != Color::ZERO {
+            counts.shadow += 1;
+            let (probe, reach) = self.shadow_ray(towards, distance);
+            let visible = if is_lit { Color::ONE } else { Color::ZERO };
+            *sum += self.seen((&probe, reach), visible, (arriving, response), observer);
         }
     }
 
@@ -332,11 +368,16 @@ impl Lit<'_> {
     /// The ray to a point of a light, and how far it looks.
     #[inline]
     fn shadow_ray(&self, towards: DVec3, distance: f64) -> (Probe, f64) {
-        let at = self.at;
-        let probe = Probe::from_surface(Ray::new(at.position, towards), self.number, at.scale);
-        // A light may lie in the very surface that shows where it is: stop short of it.
-        (probe, distance * SHORT)
+        shadow_ray(self.at, self.number, towards, distance)
     }
+}
+
+/// The ray from a point on the primitive `number` to a point of a light, and how far it looks.
+#[inline(always)]
+fn shadow_ray(at: &SurfacePoint<'_>, number: u64, towards: DVec3, distance: f64) -> (Probe, f64) {
+    let probe = Probe::from_surface(Ray::new(at.position, towards), number, at.scale);
+    // A light may lie in the very surface that shows where it is: stop short of it.
+    (probe, distance * SHORT)
 }
 
 /// How much of the way to a light a shadow ray looks.

@@ -8,7 +8,7 @@ use crate::{
     render::{
         adaptive::Pixels,
         by_rows,
-        integrator::{self, Counts, Stack},
+        integrator::{self, Counts, Sight, Stack},
         lighting::Lit,
         observe::{Arrived, Observer},
         shots::Shots,
@@ -90,10 +90,9 @@ pub fn costs(scene: &Scene, host: &dyn Host) -> Result<Vec<PixelCost>, Error> {
                 cost,
                 under_way: None,
             };
-            let seen = (probe, first);
             integrator::radiance(
                 world,
-                seen,
+                Sight::met(&probe, first),
                 shot.sampler,
                 interrupt,
                 &mut stack,

@@ -8,8 +8,8 @@ use super::{
     trace::above,
 };
 use crate::{
-    accel::{DONE, Decide, NONE, PACKET, Place, RayPacket, Search, rays},
-    math::Ray,
+    accel::{BEFORE_END, DONE, Decide, Ends, NONE, PACKET, Place, RayPacket, Search, rays},
+    math::{DVec3, Ray, max_abs},
     shape::{
         triangle::TriangleRay,
         triangles::{MANY, ManyTriangles},
@@ -18,6 +18,10 @@ use crate::{
 
 /// Fewest rays that are traced as a packet.
 const FEWEST: usize = 5;
+
+/// How many times as far away as anything else a light and the points it shines on may be, for their rays to be traced
+/// together: what the tests allow for grows with the coordinates.
+const FAR: f64 = 16.0;
 
 impl World<'_> {
     /// [`World::nearest`] for each of the probes; `hits` is as long.
@@ -46,13 +50,83 @@ impl World<'_> {
         }
     }
 
+    /// Whether it is likely to be worth it to look together for what is before the points where neighboring rays hit
+    /// something: where that is triangles, or not another thing for nearly each ray.
+    pub(crate) fn are_neighbors(&self, hits: &[Option<Hit>]) -> bool {
+        let triangles = self.root().map_or(0, |root| root.triangles.len() as u64);
+        let (mut met, mut changes, mut last) = (0, 0, u64::MAX);
+        for hit in hits.iter().flatten() {
+            met += 1;
+            changes += usize::from(hit.number >= triangles && hit.number != last);
+            last = hit.number;
+        }
+        met >= FEWEST && 4 * changes <= met
+    }
+
+    /// [`World::blocker`] for up to [`PACKET`] probes that all lead to `light`, each `distances` away from its start, and
+    /// ask for what is before `t_max`; all slices are as long. False where they do not go together: then nothing was
+    /// answered.
+    ///
+    /// As the rays end at one point and not at all begin at one, the tree is searched from there back to the starts. That
+    /// only sorts out what cannot be in the way: what may be is met by the probes themselves.
+    pub(crate) fn blockers_before(
+        &self,
+        light: DVec3,
+        probes: &[Probe],
+        [distances, t_max]: [&[f64]; 2],
+        found: &mut [Blocker],
+    ) -> bool {
+        let n = probes.len().min(PACKET);
+        let Some(root) = self.root().filter(|_| self.packets && n >= FEWEST) else {
+            return false;
+        };
+        let (probes, distances) = (&probes[..n], &distances[..n]);
+        let starts = probes.iter().map(|probe| max_abs(probe.ray.origin));
+        let extent = starts.fold(0.0, f64::max);
+        let (nearest, farthest) = distances
+            .iter()
+            .fold((f64::INFINITY, 0.0_f64), |(least, most), d| {
+                (least.min(*d), most.max(*d))
+            });
+        let t_min = probes.iter().fold(0.0, |t, probe| probe.t_min.max(t));
+        let reach = FAR * f64::from(root.bvh.extent());
+        if !(extent <= reach && max_abs(light) <= reach && t_min <= 0.1 * f64::from(BEFORE_END) * nearest) {
+            return false;
+        }
+        let (mut primitives, mut back, mut bounds) =
+            ([NONE; PACKET], [probes[0].ray; PACKET], [DONE; PACKET]);
+        for (i, (probe, distance)) in probes.iter().zip(distances).enumerate() {
+            primitives[i] = u32::try_from(probe.start).unwrap_or(NONE);
+            back[i] = Ray::new(light, -probe.ray.dir);
+            bounds[i] = above(*distance);
+        }
+        let search = Search {
+            extent: root.extent,
+            // Light is looked for up to a little before its source.
+            t_min: f64::from(BEFORE_END) * farthest,
+            skip: NONE,
+            ends: Some(Ends {
+                extent,
+                primitives: &primitives[..n],
+            }),
+        };
+        let bundle = Bundle {
+            seen: &back[..n],
+            bounds: &bounds[..n],
+            search,
+        };
+        self.search_together::<true>(root, probes, t_max, &bundle, |i, query, stopped| {
+            found[i] = query.blocker(stopped);
+        })
+    }
+
     /// Answers up to [`PACKET`] queries with one packet. False where they do not go together: then nothing was
     /// answered.
     fn together<'p, const ANY: bool>(
         &self,
         probes: &'p [Probe],
         t_max: &[f64],
-        mut answer: impl FnMut(usize, &Query<'p>, bool),
+        answer: impl FnMut(usize, &Query<'p>, bool),
     ) -> bool {
         let (Some(root), Some(first)) = (self.root(), probes.first()) else {
             return false;
@@ -62,72 +136,76 @@ impl World<'_> {
         }
         let n = probes.len().min(t_max.len()).min(PACKET);
         let own: [Ray; PACKET] = std::array::from_fn(|i| probes[i.min(n - 1)].ray);
+        let mut bounds = [DONE; PACKET];
+        for (bound, t_max) in bounds.iter_mut().zip(t_max) {
+            *bound = above(*t_max);
+        }
+        let search = Search {
+            extent: root.extent,
+            t_min: probes.iter().map(|probe| probe.t_min).fold(first.t_min, f64::max),
+            skip: u32::try_from(first.start).unwrap_or(NONE),
+            ends: None,
+        };
+        let bundle = Bundle {
+            seen: &own[..n],
+            bounds: &bounds[..n],
+            search,
+        };
+        self.search_together::<ANY>(root, &probes[..n], t_max, &bundle, answer)
+    }
+
+    /// Searches the root with a packet for each probe's answer. False where the rays do not go together: then nothing was
+    /// answered.
+    #[inline(always)]
+    fn search_together<'p, const ANY: bool>(
+        &self,
+        root: &Level<'_>,
+        probes: &'p [Probe],
+        t_max: &[f64],
+        bundle: &Bundle<'_>,
+        mut answer: impl FnMut(usize, &Query<'p>, bool),
+    ) -> bool {
+        let n = probes.len();
         let mut queries: [Query<'_>; PACKET] =
             std::array::from_fn(|i| Query::new(&probes[i.min(n - 1)], t_max[i.min(n - 1)]));
-        let t_min = probes.iter().map(|probe| probe.t_min).fold(first.t_min, f64::max);
         let queries = &mut queries[..n];
-        let Some(stopped) = self.search_packet::<ANY>(root, 0, &own[..n], queries, (first.start, t_min))
-        else {
-            return false;
+        let place = Place {
+            bvh: &root.bvh,
+            triangles: &root.triangle_blocks,
+            spheres: &root.sphere_blocks,
+            first_sphere: root.triangles.len() as u32,
+            cuboids: &root.cuboid_blocks,
+            cuboid_extent: root.cuboid_extent,
         };
+        let mut decider = Decider::<ANY> {
+            world: self,
+            level: root,
+            queries,
+            pairs: ManyTriangles::EMPTY,
+        };
+        let mut packet = RayPacket::EMPTY;
+        if !packet.search::<ANY>(&place, bundle.seen, bundle.bounds, &bundle.search, &mut decider) {
+            return false;
+        }
+        let stopped = packet.done();
         for (i, query) in queries.iter().enumerate() {
             answer(i, query, stopped >> i & 1 == 1);
         }
         true
     }
+}
 
-    /// Searches a level whose first primitive has the number `base` with rays of the level's space, one for each
-    /// query. Returns one bit for each whose search was ended; `None` where the rays do not go together: then
-    /// nothing was done.
-    fn search_packet<const ANY: bool>(
-        &self,
-        level: &Level,
-        base: u64,
-        own: &[Ray],
-        queries: &mut [Query<'_>],
-        (start, t_min): (u64, f64),
-    ) -> Option<u64> {
-        let skip = start
-            .checked_sub(base)
-            .filter(|&index| index < level.triangles.len() as u64);
-        let search = Search {
-            extent: level.extent,
-            t_min,
-            skip: skip.map_or(NONE, |index| index as u32),
-        };
-        let place = Place {
-            bvh: &level.bvh,
-            triangles: &level.triangle_blocks,
-            spheres: &level.sphere_blocks,
-            cuboids: &level.cuboid_blocks,
-            cuboid_extent: level.cuboid_extent,
-        };
-        let mut bounds = [DONE; PACKET];
-        for (bound, query) in bounds.iter_mut().zip(&*queries) {
-            *bound = above(query.best.t);
-        }
-        let mut decider = Decider::<ANY> {
-            world: self,
-            level,
-            base,
-            own,
-            queries,
-            pairs: ManyTriangles::EMPTY,
-        };
-        let mut packet = RayPacket::EMPTY;
-        let n = own.len().min(PACKET);
-        packet
-            .search::<ANY>(&place, own, &bounds[..n], &search, &mut decider)
-            .then(|| packet.done())
-    }
+/// What the tree is searched with for several probes: rays from one point, and how far they look.
+struct Bundle<'a> {
+    seen: &'a [Ray],
+    bounds: &'a [f32],
+    search: Search<'a>,
 }
 
 /// Decides what the rays of a packet hit, as a search does for one.
 struct Decider<'a, 's, 'p, const ANY: bool> {
     world: &'a World<'s>,
     level: &'a Level<'s>,
-    base: u64,
-    own: &'a [Ray],
     queries: &'a mut [Query<'p>],
     pairs: ManyTriangles,
 }
@@ -136,15 +214,18 @@ impl<'s, 'p, const ANY: bool> Decider<'_, 's, 'p, ANY> {
     /// Asks for one ray and returns the ray's bound.
     #[inline(always)]
     fn ask(&mut self, ray: usize, question: impl FnOnce(&mut Exact<'_, 's, 'p, ANY>) -> bool) -> f32 {
+        let query = &mut self.queries[ray];
         let mut exact = Exact {
             world: self.world,
             level: self.level,
-            base: self.base,
-            ray: &self.own[ray],
-            query: &mut self.queries[ray],
+            base: 0,
+            ray: &query.probe.ray,
+            query,
         };
         if question(&mut exact) {
             DONE
+        } else if ANY {
+            f32::INFINITY
         } else {
             above(exact.query.best.t)
         }
@@ -154,21 +235,22 @@ impl<'s, 'p, const ANY: bool> Decider<'_, 's, 'p, ANY> {
 impl<const ANY: bool> Decide for Decider<'_, '_, '_, ANY> {
     fn begin(&mut self, packet: &mut RayPacket) {
         for &index in &self.level.unbounded {
-            self.other(u64::MAX >> (PACKET - self.own.len()), index, packet);
+            self.other(u64::MAX >> (PACKET - self.queries.len()), index, packet);
         }
     }
 
     #[inline(always)]
     fn last(&mut self, pairs: &[(u8, u32)], packet: &mut RayPacket) {
-        let (level, base) = (self.level, self.base);
+        let level = self.level;
         for pairs in pairs.chunks(MANY) {
             for &(ray, id) in pairs {
-                self.pairs.push(&self.own[usize::from(ray)], level.corners(id));
+                let query = &self.queries[usize::from(ray)];
+                self.pairs.push(&query.probe.ray, level.corners(id));
             }
             let queries = &mut *self.queries;
             self.pairs.intersect(|i, hit| {
                 let (ray, id) = (usize::from(pairs[i].0), pairs[i].1);
-                let number = base + u64::from(id);
+                let number = u64::from(id);
                 if queries[ray].offer_triangle::<ANY>(number, hit, || level.may_be_transparent(id)) {
                     packet.lower_bound(ray, DONE);
                 }

@@ -80,6 +80,12 @@ impl<'s> World<'s> {
         self.surface_at::<false>(hit, ray, ray.at(hit.t))
     }
 
+    /// Puts [`World::surface`] where it is wanted: a point is too large to be moved there.
+    #[inline(never)]
+    pub(crate) fn surface_into(&self, hit: &Hit, ray: &Ray, at: &mut Option<SurfacePoint<'s>>) {
+        *at = self.surface_at::<false>(hit, ray, ray.at(hit.t));
+    }
+
     /// The surface of the same primitive that goes on beside a hit of `ray` at `at`, as if the primitive were flat there:
     /// where textures are asked what they change into.
     #[cold]

@@ -2,6 +2,7 @@
 
 mod boxes;
 mod extremes;
+mod lights;
 mod moving;
 mod stops;
 
