@@ -4,7 +4,7 @@
 //! usage: `cargo bench --bench rays -- MESH.rtsm RAYDIR [--reps N] [--uncut] [--build-only | --packets]`; one line of
 //! comma-separated values for the build (seconds, bytes per triangle, triangles) and for each set of rays (million
 //! rays per processor second, median; hits; rays). With `--uncut` the tree cuts no triangle in two; with `--packets` camera
-//! rays in squares of 8 x 8 pixels and shadow rays to the samples of an area light are traced one by one and in packets.
+//! rays, which the files have in squares of 8 x 8 pixels, and shadow rays to the samples of an area light are traced one by one and in packets.
 //! The formats are those that `versus/meshes.py` and `versus/embree.cpp` write.
 
 #![allow(
@@ -160,19 +160,6 @@ fn chunks(rays: &[(Ray, f64)]) -> Vec<Chunk> {
         .collect()
 }
 
-/// The rays of a square picture, row by row, in the order in which they are rendered: in squares of 8 x 8.
-fn in_squares(rays: &[(Ray, f64)]) -> Vec<(Ray, f64)> {
-    const EDGE: usize = 8;
-    let width = rays.len().isqrt();
-    let corners = (0..width / EDGE).flat_map(|row| (0..width / EDGE).map(move |column| (row, column)));
-    corners
-        .flat_map(|(row, column)| {
-            let place = move |i| (row * EDGE + i / EDGE) * width + column * EDGE + i % EDGE;
-            (0..EDGE * EDGE).map(move |i| rays[place(i)])
-        })
-        .collect()
-}
-
 fn main() {
     let (mut args, reps) = arguments(3);
     let mut has = |option: &str| {
@@ -198,11 +185,11 @@ fn main() {
     let read = |set: &str| read_rays(&format!("{ray_dir}/{}.{set}.rays", mesh.name));
     let (primary, ao, shadow) = (read("primary"), read("ao"), read("shadow"));
     let sets = if packets {
-        let squares = chunks(&in_squares(&primary));
         let area = chunks(&area_light(&world, &primary, &shadow));
+        let primary = chunks(&primary);
         vec![
-            ("squares", squares.clone(), Question::Nearest),
-            ("squares-packet", squares, Question::NearestInPackets),
+            ("primary", primary.clone(), Question::Nearest),
+            ("primary-packet", primary, Question::NearestInPackets),
             ("area", area.clone(), Question::Any),
             ("area-packet", area, Question::AnyInPackets),
         ]

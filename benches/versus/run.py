@@ -196,7 +196,7 @@ def embree(found, rounds):
 def packets(found, rounds):
     """Camera rays in squares and shadow rays to an area light: in packets, beside the same rays one by one."""
     driver, names = embree_driver(), make_meshes()
-    sets = (("squares", "camera rays"), ("area", "area-light shadows"))
+    sets = (("primary", "camera rays"), ("area", "area-light shadows"))
     rates, counts, triangles = {}, {}, {}
     for turn in range(rounds):
         for name in names:

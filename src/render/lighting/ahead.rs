@@ -175,3 +175,93 @@ impl Reached {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Builder, NoHost, Term, color::Color};
+
+    /// A floor of triangles, opaque for x < 0 and of glass beyond, half of it below a roof; one lamp above, one below, one
+    /// far away.
+    #[test]
+    fn what_is_known_beforehand_is_what_each_point_would_find() {
+        let mut b = Builder::new();
+        for y in [5.0, -5.0, 1e5] {
+            b.point(DVec3::new(-1.0, y, 0.3), Color::ONE).unwrap();
+        }
+        b.material_mut().diffuse = Term::color(Color::ONE);
+        let mut floor = |x: f64, kt: f64| {
+            b.material_mut().transmission = Term::color(Color::splat(kt));
+            let [p, q, r, s] =
+                [(0.0, -2.0), (0.0, 2.0), (2.0, 2.0), (2.0, -2.0)].map(|(dx, z)| DVec3::new(x + dx, 0.0, z));
+            b.triangle([p, q, r], None).unwrap();
+            b.triangle([p, r, s], None).unwrap();
+        };
+        floor(-2.0, 0.0);
+        floor(0.0, 0.5);
+        b.material_mut().transmission = Term::color(Color::ZERO);
+        let roof = [(-3.0, -3.0), (3.0, -3.0), (-3.0, 2.3)].map(|(x, z)| DVec3::new(x, 1.0, z));
+        b.triangle(roof, None).unwrap();
+        let scene = b.finish().value;
+        let world = World::compile(&scene).unwrap();
+        assert!(Ahead::is_of_use(&world));
+        let eye = DVec3::new(0.1, 0.9, 0.0);
+        let probes: Vec<Probe> = (0..PACKET)
+            .map(|i| {
+                let aim = DVec3::new(i as f64 % 8.0 / 10.0 - 0.55, 0.0, i as f64 / 80.0 - 0.33);
+                Probe::from_space(Ray::new(eye, (aim - eye).normalize()))
+            })
+            .collect();
+        let mut hits = [None; PACKET];
+        world.nearest_many(&probes, f64::INFINITY, &mut hits);
+        let (mut ahead, mut luck) = (Ahead::default(), Luck::default());
+        let host = NoHost;
+        ahead.look(&world, &probes, &hits, &Interrupt::new(&host), &mut luck);
+        let mut found = [0; 3];
+        for (i, hit) in hits.iter().enumerate() {
+            let hit = hit.unwrap();
+            let at = world.surface(&hit, &probes[i].ray).unwrap();
+            let Some((point, known)) = ahead.of(i) else {
+                assert!(at.position.x > 0.0, "nothing is known of glass alone");
+                found[2] += 1;
+                continue;
+            };
+            assert_eq!(point.position, at.position);
+            let (is_lit, (towards, distance)) = known.of(0).unwrap();
+            let (probe, reach) = shadow_ray(&at, hit.number, towards, distance);
+            assert_eq!(is_lit, world.blocker(&probe, reach) == Blocker::None);
+            assert!((at.position + towards * distance - DVec3::new(-1.0, 5.0, 0.3)).length() < 1e-12);
+            assert!(known.of(1).is_none() && known.of(2).is_none() && known.of(3).is_none());
+            found[usize::from(is_lit)] += 1;
+        }
+        assert!(found.iter().all(|n| *n >= 8), "{found:?}");
+    }
+
+    #[test]
+    fn nobody_looks_ahead_where_it_led_to_nothing() {
+        let mut b = Builder::new();
+        b.point(DVec3::Y * 5.0, Color::ONE).unwrap();
+        b.material_mut().diffuse = Term::color(Color::ZERO);
+        b.triangle(
+            [
+                DVec3::new(-9.0, 0.0, -9.0),
+                DVec3::new(0.0, 0.0, 9.0),
+                DVec3::new(9.0, 0.0, -9.0),
+            ],
+            None,
+        )
+        .unwrap();
+        let scene = b.finish().value;
+        let world = World::compile(&scene).unwrap();
+        let probes = [Probe::from_space(Ray::new(DVec3::Y, DVec3::NEG_Y)); 8];
+        let mut hits = [None; 8];
+        world.nearest_many(&probes, f64::INFINITY, &mut hits);
+        let (mut ahead, mut luck, host) = (Ahead::default(), Luck::default(), NoHost);
+        let mut looks = 0;
+        for _ in 0..64 {
+            ahead.look(&world, &probes, &hits, &Interrupt::new(&host), &mut luck);
+            looks += usize::from(ahead.of(0).is_some());
+        }
+        assert!((2..10).contains(&looks), "{looks}");
+    }
+}

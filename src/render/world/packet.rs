@@ -51,16 +51,15 @@ impl World<'_> {
     }
 
     /// Whether it is likely to be worth it to look together for what is before the points where neighboring rays hit
-    /// something: where that is triangles, or not another thing for nearly each ray.
+    /// something: where that is mostly triangles, which a packet decides several of at a time.
     pub(crate) fn are_neighbors(&self, hits: &[Option<Hit>]) -> bool {
         let triangles = self.root().map_or(0, |root| root.triangles.len() as u64);
-        let (mut met, mut changes, mut last) = (0, 0, u64::MAX);
+        let (mut met, mut on_triangles) = (0, 0);
         for hit in hits.iter().flatten() {
             met += 1;
-            changes += usize::from(hit.number >= triangles && hit.number != last);
-            last = hit.number;
+            on_triangles += usize::from(hit.number < triangles);
         }
-        met >= FEWEST && 4 * changes <= met
+        met >= FEWEST && 2 * on_triangles >= met
     }
 
     /// [`World::blocker`] for up to [`PACKET`] probes that all lead to `light`, each `distances` away from its start, and
