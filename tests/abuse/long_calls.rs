@@ -3,13 +3,13 @@
 
 use std::{
     sync::{
-        Mutex,
+        Arc, Mutex,
         atomic::{AtomicBool, Ordering},
     },
     time::{Duration, Instant},
 };
 
-use rtscript::{Host, Limits, diag::ErrorKind, host::HostError};
+use rtscript::{Host, Limits, RunOptions, Script, diag::ErrorKind, host::HostError, script::Language};
 
 use crate::{Quiet, run};
 
@@ -169,5 +169,55 @@ fn no_call_goes_on_when_its_host_wants_it_to_stop() {
             least.is_some(),
             "{call} takes {whole:?}, and no less when it is to stop"
         );
+    }
+}
+
+/// A function of the program that nothing can interrupt, and what it shares with the program.
+fn napping(nap: Duration) -> (Language, Arc<AtomicBool>) {
+    let awake = Arc::new(AtomicBool::new(false));
+    let shared = Arc::clone(&awake);
+    let mut language = Language::new();
+    language.engine_mut(move |engine| {
+        let awake = Arc::clone(&shared);
+        engine.register_fn("nap", move || {
+            std::thread::sleep(nap);
+            awake.store(true, Ordering::Relaxed);
+        });
+    });
+    (language, awake)
+}
+
+#[test]
+fn a_host_that_wants_to_stop_does_not_wait_for_a_call_to_end() {
+    let (language, awake) = napping(Duration::from_secs(3));
+    let script = "print(0); nap(); loop { }";
+    let script = Script::compile_in(&language, "a.rhai", script, &Limits::default()).unwrap();
+    let host = Watching {
+        stops: true,
+        begun: Mutex::new(None),
+        wants_to_stop: AtomicBool::new(false),
+    };
+    let error = script.run(&host, &RunOptions::default()).unwrap_err();
+    let begun = host.begun.lock().unwrap().take().unwrap();
+    assert!(begun.elapsed() < Duration::from_secs(2), "{:?}", begun.elapsed());
+    assert!(!awake.load(Ordering::Relaxed), "the call was waited for");
+    assert_eq!(error.kind(), ErrorKind::Cancelled);
+    assert!(
+        error
+            .to_string()
+            .starts_with("a.rhai: error: the run was stopped"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_run_that_nobody_stops_leaves_nothing_behind() {
+    for script in ["nap();", "nap(); throw 1;", "fn f() { f() } f();"] {
+        let (language, shared) = napping(Duration::ZERO);
+        let compiled = Script::compile_in(&language, "a.rhai", script, &Limits::default()).unwrap();
+        drop(language);
+        drop(compiled.run(&Quiet, &RunOptions::default()));
+        drop(compiled);
+        assert_eq!(Arc::strong_count(&shared), 1, "{script}");
     }
 }
