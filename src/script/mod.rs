@@ -13,6 +13,7 @@ mod cells;
 mod clock;
 mod engine;
 mod errors;
+mod given;
 mod kinds;
 mod language;
 mod link;
