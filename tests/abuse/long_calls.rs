@@ -229,3 +229,38 @@ fn a_run_that_nobody_stops_leaves_nothing_behind() {
         assert_eq!(Arc::strong_count(&shared), 1, "{script}");
     }
 }
+
+/// Wants to stop at the first line that is printed, and would read and keep whatever it is asked to.
+#[derive(Default)]
+struct Tired {
+    is_tired: AtomicBool,
+    was_asked: AtomicBool,
+}
+
+impl Host for Tired {
+    fn read(&self, _path: &str, _max_bytes: u64) -> Result<Vec<u8>, HostError> {
+        self.was_asked.store(true, Ordering::Relaxed);
+        Ok(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec())
+    }
+
+    fn print(&self, _text: &str) {
+        self.is_tired.store(true, Ordering::Relaxed);
+    }
+
+    fn should_stop(&self) -> bool {
+        self.is_tired.load(Ordering::Relaxed)
+    }
+}
+
+#[test]
+fn a_host_that_wants_to_stop_is_asked_for_no_file() {
+    for (script, asks) in [
+        ("print(0); mesh(\"a.obj\");", false),
+        ("mesh(\"a.obj\"); print(0); loop { }", true),
+    ] {
+        let host = Tired::default();
+        let error = run(script, &Limits::default(), &host).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::Cancelled, "{script}");
+        assert_eq!(host.was_asked.load(Ordering::Relaxed), asks, "{script}");
+    }
+}
