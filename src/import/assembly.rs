@@ -36,22 +36,27 @@ pub(super) fn mesh<'a>(
         true => Vec::new(),
         false => corners.iter().map(|corner| corner.position).collect(),
     };
-    let colors = in_order_of_use(&checked.colors, |_| true, of_colors.iter_mut());
+    let colors = in_order_of_use(&checked.colors, |_| true, of_colors.iter_mut(), assets)?;
     let positions = in_order_of_use(
         &checked.positions,
         |_| true,
         corners.iter_mut().map(|c| &mut c.position),
-    );
-    assets.check_stop()?;
-    let uvs = in_order_of_use(&checked.uvs, |_| true, corners.iter_mut().map(|c| &mut c.uv));
-    assets.check_stop()?;
+        assets,
+    )?;
+    let uvs = in_order_of_use(
+        &checked.uvs,
+        |_| true,
+        corners.iter_mut().map(|c| &mut c.uv),
+        assets,
+    )?;
     // A normal of length zero says nothing.
     let says_something = |n: &DVec3| *n != DVec3::ZERO;
     let normals = in_order_of_use(
         &checked.normals,
         says_something,
         corners.iter_mut().map(|c| &mut c.normal),
-    );
+        assets,
+    )?;
     let mut triangles = Triangles {
         corners: &corners,
         positions: &positions,
@@ -117,14 +122,21 @@ pub(super) fn mesh<'a>(
 
 /// The values that `uses` name, in the order of their first use, but for those that `keep` refuses. The uses are
 /// changed to their places there, or to [`Corner::NONE`].
+///
+/// # Errors
+/// Where the host asks to stop.
 fn in_order_of_use<'u, T: Copy>(
     values: &[T],
     keep: impl Fn(&T) -> bool,
     uses: impl Iterator<Item = &'u mut u32>,
-) -> Vec<T> {
+    assets: &Assets<'_>,
+) -> Result<Vec<T>, Diagnostic> {
     let mut places = vec![Corner::NONE; values.len()];
     let mut used = Vec::new();
-    for index in uses {
+    for (i, index) in uses.enumerate() {
+        if i.is_multiple_of(CORNERS_PER_QUESTION) {
+            assets.check_stop()?;
+        }
         let found = places.get_mut(*index as usize).zip(values.get(*index as usize));
         *index = match found {
             Some((place, value)) if *place == Corner::NONE && keep(value) => {
@@ -136,7 +148,7 @@ fn in_order_of_use<'u, T: Copy>(
             None => Corner::NONE,
         };
     }
-    used
+    Ok(used)
 }
 
 /// The triangles of the faces.

@@ -7,7 +7,7 @@ use super::{
 use crate::{
     diag::{Code, Diagnostic, ErrorKind, SourceLoc},
     math::DVec3,
-    scene::{Builder, Camera, Encoding, SceneError, Term},
+    scene::{Builder, Camera, Encoding, SceneError, Term, Told},
 };
 
 /// What a scene file of the course says beyond the scene.
@@ -137,16 +137,17 @@ impl Loader<'_, '_> {
 
     fn run(&mut self, command: Command<'_>) -> Result<(), Fault> {
         let builder = &mut *self.builder;
+        let told = Told::default();
         match command {
             Command::Size(width, height) => {
                 self.has_size = true;
                 builder
-                    .size(within(width), within(height))
-                    .map_err(|error| as_given(error, &[width, height]))?;
+                    .size(told.count(width), told.count(height))
+                    .map_err(|error| told.as_given(error))?;
             }
             Command::MaxDepth(n) => builder
-                .max_depth(within(n))
-                .map_err(|error| as_given(error, &[n]))?,
+                .max_depth(told.count(n))
+                .map_err(|error| told.as_given(error))?,
             Command::Output(name) => self.course.output = Some(name.to_owned()),
             Command::Camera { eye, at, up, fovy } => {
                 self.has_camera = true;
@@ -198,20 +199,6 @@ impl From<SceneError> for Fault {
     fn from(error: SceneError) -> Self {
         Self { error, value: None }
     }
-}
-
-/// A count as the builder takes it; what is beyond is refused by every limit.
-fn within(count: u64) -> u32 {
-    u32::try_from(count).unwrap_or(u32::MAX)
-}
-
-/// What the builder says of counts, with those that the file has in place of those that it was told.
-fn as_given(mut error: SceneError, counts: &[u64]) -> SceneError {
-    for count in counts.iter().filter(|count| **count > u64::from(u32::MAX)) {
-        let told = u32::MAX.to_string();
-        error.message = error.message.replacen(&told, &count.to_string(), 1);
-    }
-    error
 }
 
 /// What is listed under the numbers of three vertices.

@@ -200,7 +200,7 @@ impl Material {
 }
 
 /// See [`Material::key`].
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct MaterialKey {
     terms: [[u64; 4]; 5],
     reflection: Option<[u64; 4]>,

@@ -34,6 +34,7 @@ mod source;
 mod surroundings;
 mod texture;
 mod texture_text;
+mod told;
 mod validate;
 
 pub use crate::custom::Custom;
@@ -66,6 +67,7 @@ pub use source::AssetFiles;
 pub(crate) use source::{MeshFile, write as write_source};
 pub use surroundings::{Environment, Fog, Haze, Occlusion, Sky, Surroundings};
 pub use texture::{Footprint, ImageTexture, Texels, Texture, TexturePoint};
+pub(crate) use told::Told;
 
 use std::{collections::BTreeMap, sync::Arc};
 

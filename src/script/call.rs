@@ -1,11 +1,12 @@
 //! Arguments of a scene function: from Rhai's values to numbers, vectors, colors and terms, with errors that
 //! name the function and the parameter.
 
-use std::{cell::RefCell, sync::Arc};
+use std::sync::Arc;
 
 use rhai::{Array, Dynamic, ImmutableString, Map};
 
 use super::{
+    given,
     names::COLORS,
     table::Entry,
     value::{ImageValue, Outcome, ScriptError, TextureValue},
@@ -14,7 +15,7 @@ use crate::{
     color::{self, Color},
     diag::{Code, nearest_names},
     math::DVec3,
-    scene::Texture,
+    scene::{Texture, Told},
 };
 
 /// The arguments of one call, taken one parameter after another.
@@ -22,8 +23,8 @@ pub(crate) struct Call<'c, 'd> {
     pub(crate) entry: &'static Entry,
     args: &'c [&'d mut Dynamic],
     next: usize,
-    /// Counts that were given and are beyond `u32`, in order.
-    beyond: RefCell<Vec<String>>,
+    /// Numbers that were given otherwise than they are told.
+    told: Told,
 }
 
 /// A color, or a texture times a color.
@@ -39,7 +40,7 @@ impl<'c, 'd> Call<'c, 'd> {
             entry,
             args,
             next: 0,
-            beyond: RefCell::default(),
+            told: Told::default(),
         }
     }
 
@@ -121,28 +122,28 @@ impl<'c, 'd> Call<'c, 'd> {
 
     /// A count as `u32`: what exceeds it becomes its maximum, which every limit refuses.
     pub(crate) fn within(&self, n: i64) -> u32 {
-        u32::try_from(n).unwrap_or_else(|_| {
-            self.beyond.borrow_mut().push(n.to_string());
-            u32::MAX
-        })
+        self.told.count(n)
     }
 
-    /// As [`Call::within`], for a count that came as a float without a fraction.
-    pub(crate) fn within_float(&self, n: f64) -> u32 {
-        if n <= f64::from(u32::MAX) {
-            return n as u32;
+    /// A whole number not below `least` from a single value, as in an options map, [within](Call::within) `u32`.
+    pub(crate) fn count_from(&self, name: &str, d: &Dynamic, least: u32) -> Outcome<u32> {
+        let x = self.number_from(name, d)?;
+        if x.trunc() != x || x < f64::from(least) {
+            return Err(self.error(format!(
+                "{name} must be a whole number of at least {least}, not {x}"
+            )));
         }
-        self.beyond.borrow_mut().push(format!("{n:e}"));
-        u32::MAX
+        if x > f64::from(u32::MAX) {
+            self.told.note(u32::MAX, given::exact(d).unwrap_or_default());
+        }
+        Ok(x as u32)
     }
 
-    /// What the function says of a count, with the number that was given in place of the one that it was told.
+    /// What the function says of its arguments, with the numbers that were given in place of those that it was told.
     #[cold]
     pub(super) fn as_given(&self, mut error: Box<ScriptError>) -> Box<ScriptError> {
-        let told = u32::MAX.to_string();
-        for given in self.beyond.borrow().iter() {
-            error.message = error.message.replacen(&told, given, 1);
-        }
+        given::note_rounded(&self.told, self.args);
+        self.told.put_right(&mut error.message);
         error
     }
 

@@ -20,7 +20,7 @@ use rhai::{
 use super::{
     api,
     call::{Call, wrong_count},
-    caller::Caller,
+    caller::{Caller, Failure},
     cells,
     clock::Clock,
     language::Language,
@@ -193,7 +193,14 @@ fn invoke(entry: &'static Entry, ctx: &NativeCallContext<'_>, args: &mut [&mut D
             |result| matches!(result, Some(Ok(value)) if !is_data(value)),
         )
         .unwrap_or_else(|| Err(internal("a scene function outside a run"))),
-        Run::Calling(run) => return Caller::new(ctx).run(|caller| run(&mut call, caller)),
+        Run::Calling(run) => {
+            return Caller::new(ctx).run(|caller| {
+                run(&mut call, caller).map_err(|failure| match failure {
+                    Failure::Said(e) => Failure::Said(call.as_given(e)),
+                    raised @ Failure::Raised(_) => raised,
+                })
+            });
+        }
         Run::Syntax => Err(internal("a block called as a function")),
     };
     result.map_err(|e| call.as_given(e).raise_in(ctx.call_source(), ctx.call_position()))

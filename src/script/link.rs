@@ -22,9 +22,13 @@ use crate::{
     scene::Scene,
 };
 
-/// How often the host is asked whether to stop while the script keeps to itself. What is left of the 20 ms in which a run
-/// ends is for freeing what it has made.
+/// How often the host is asked whether to stop while the script keeps to itself.
 const POLL: Duration = Duration::from_millis(2);
+
+/// How long a script is waited for that is to stop. It looks within microseconds, unless a step of it takes longer: Rhai
+/// copies and frees millions of values in one. What it has made is freed in that time as well, or else by its thread after
+/// the call has returned; the rest of the 20 ms in which that is to happen is for a machine that has other things to do.
+const GRACE: Duration = Duration::from_millis(8);
 
 /// What rendering gives.
 pub(crate) type RenderResult = Result<Report<Rendered>, Error>;
@@ -173,23 +177,34 @@ pub(super) struct Caller<'c> {
 }
 
 impl Caller<'_> {
-    /// Answers the requests of a script on another thread until that ends.
-    pub(super) fn serve(&self, incoming: &Receiver<Request>, flags: &Flags) {
+    /// Answers the requests of a script on another thread until that ends. False where the host wants it to end, and it
+    /// takes longer than it is waited for.
+    pub(super) fn serve(&self, incoming: &Receiver<Request>, flags: &Flags) -> bool {
         let clock = Clock::start();
         let mut looked = Duration::ZERO;
+        let mut until = None;
         loop {
-            if self.host.should_stop() {
+            let now = clock.elapsed();
+            let stops = until.is_none() && self.host.should_stop();
+            if stops {
                 flags.stop.store(true, Ordering::Relaxed);
+                until = Some(now + GRACE);
+            }
+            if until.is_some_and(|until| now >= until) {
+                return false;
             }
             // Requests may come all the time.
-            if clock.elapsed() >= looked + POLL {
-                looked = clock.elapsed();
+            if stops || now >= looked + POLL {
+                looked = now;
                 flags.look.store(true, Ordering::Relaxed);
             }
-            match incoming.recv_timeout(POLL) {
+            let left = until.map_or(POLL, |until| until.saturating_sub(now).min(POLL));
+            match incoming.recv_timeout(left) {
+                // Files take their time. The script hears that nobody answers.
+                Ok(Request::Read { .. } | Request::Write { .. }) if until.is_some() => {}
                 Ok(request) => self.answer(request),
                 Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => return,
+                Err(RecvTimeoutError::Disconnected) => return true,
             }
         }
     }

@@ -13,6 +13,7 @@ mod cells;
 mod clock;
 mod engine;
 mod errors;
+mod given;
 mod kinds;
 mod language;
 mod link;
@@ -96,7 +97,7 @@ const HAS_THREADS: bool = !cfg!(target_family = "wasm");
 #[derive(Clone, Debug)]
 pub struct Script {
     source: Source,
-    ast: AST,
+    ast: Arc<AST>,
     limits: Limits,
     language: Language,
 }
@@ -143,7 +144,7 @@ impl Script {
                 ast.set_source(name);
                 Ok(Self {
                     source,
-                    ast,
+                    ast: Arc::new(ast),
                     limits: limits.clone(),
                     language: language.clone(),
                 })
@@ -172,9 +173,14 @@ impl Script {
     /// Runs the script on a thread of its own; without threads (wasm32-unknown-unknown), on this one. Everything it
     /// asks of `host` is done on the calling thread, and so is rendering, in the rayon pool the call is made in.
     ///
+    /// A run that the host wants to stop comes back within 20 ms. Where the script's thread needs longer to see it, or to free
+    /// what it has made, it is left to itself, and ends and frees that behind the call; a function of the program that it was in
+    /// goes on to its end. After every other run all is freed when the call returns.
+    ///
     /// # Errors
     /// Whatever ends the script early, with its place and the calls that led there: [`Error::kind`] tells the
-    /// script's own fault from a limit, a missing file, a refusal of the host or its wish to stop.
+    /// script's own fault from a limit, a missing file, a refusal of the host or its wish to stop, which has no place where the
+    /// script's thread was left to itself.
     pub fn run(&self, host: &dyn Host, options: &RunOptions) -> Result<Report<Run>, Error> {
         self.run_watched(host, options, None)
     }
@@ -247,22 +253,29 @@ impl Script {
     ) -> Result<Report<Run>, Error> {
         let flags: Arc<Flags> = Arc::default();
         let (remote, incoming) = Remote::pair(Arc::clone(&flags));
-        thread::scope(|scope| {
-            let guard = StopOnDrop(Arc::clone(&flags));
-            let script = thread::Builder::new()
-                .name("rtscript script".to_owned())
-                .stack_size(stack_bytes(&self.limits))
-                .spawn_scoped(scope, move || {
-                    catch_unwind(AssertUnwindSafe(|| self.evaluate(remote, options, watch)))
-                })
-                .map_err(|e| internal(self.name(), &format!("cannot start the script's thread: {e}")))?;
-            caller.serve(&incoming, &flags);
-            drop((guard, incoming));
-            match script.join() {
-                Ok(Ok(result)) => result,
-                Ok(Err(panic)) | Err(panic) => Err(internal(self.name(), &panic_text(&*panic))),
-            }
-        })
+        let _guard = StopOnDrop(Arc::clone(&flags));
+        let (script, options) = (self.clone(), options.clone());
+        let thread = thread::Builder::new()
+            .name("rtscript script".to_owned())
+            .stack_size(stack_bytes(&self.limits))
+            .spawn(move || {
+                // The caller hears of the end when nothing is left of the run.
+                let last = remote.clone();
+                let run = || script.evaluate(remote, &options, watch);
+                let result = catch_unwind(AssertUnwindSafe(run));
+                drop((script, options));
+                drop(last);
+                result
+            })
+            .map_err(|e| internal(self.name(), &format!("cannot start the script's thread: {e}")))?;
+        if !caller.serve(&incoming, &flags) {
+            let stopped = Diagnostic::error(ErrorKind::Cancelled, "the run was stopped");
+            return Err(stopped.at(self.name(), 0, 0).into());
+        }
+        match thread.join() {
+            Ok(Ok(result)) => result,
+            Ok(Err(panic)) | Err(panic) => Err(internal(self.name(), &panic_text(&*panic))),
+        }
     }
 
     /// Runs the script on the current thread.
@@ -337,7 +350,10 @@ impl Script {
         let mut finished = match result {
             Ok(()) => Ok(builder.finish()),
             // What looks wrong about a scene that was never finished says nothing.
-            Err(e) => Err(errors::of_run(&e, &context)),
+            Err(e) => {
+                builder.discard();
+                Err(errors::of_run(&e, &context))
+            }
         };
         if let Ok(report) = &mut finished {
             warnings.append(&mut report.warnings);

@@ -130,6 +130,15 @@ macro_rules! shapes {
                 }
             }
 
+            /// Whether a copy of it has more to free than itself.
+            #[inline(always)]
+            pub(crate) fn owns_memory(&self) -> bool {
+                match self {
+                    $(Self::$name(_) => std::mem::needs_drop::<$inner>(),)*
+                    Self::Custom(_) => true,
+                }
+            }
+
             /// A box around it; `None` where it has no end.
             #[must_use]
             pub fn bounds(&self) -> Option<Bounds3> {

@@ -3,13 +3,13 @@
 
 use std::{
     sync::{
-        Mutex,
+        Arc, Mutex,
         atomic::{AtomicBool, Ordering},
     },
     time::{Duration, Instant},
 };
 
-use rtscript::{Host, Limits, diag::ErrorKind, host::HostError};
+use rtscript::{Host, Limits, RunOptions, Script, diag::ErrorKind, host::HostError, script::Language};
 
 use crate::{Quiet, run};
 
@@ -104,6 +104,7 @@ const LONGER: &[(&str, &str)] = &[
     (SHUFFLED, "a.dedup()"),
     (SHUFFLED, "a.dedup(|x, y| x == y)"),
     (SHUFFLED, "a.index_of(-1)"),
+    (SHUFFLED, "a == a"),
     (SHUFFLED, "a.map(Fn(\"abs\"))"),
     (NUMBERS, "a.to_string()"),
     (NUMBERS, "`${a}`"),
@@ -137,7 +138,7 @@ impl Host for Watching {
     }
 }
 
-/// From the beginning of a call to the end of its run.
+/// From the beginning of a call until its run has ended and nothing is left of it, for which the host need not wait.
 fn takes(values: &str, call: &str, stops: bool) -> Duration {
     let mut limits = Limits::default();
     (limits.operations, limits.script_time) = (u64::MAX, Duration::from_secs(3600));
@@ -146,7 +147,14 @@ fn takes(values: &str, call: &str, stops: bool) -> Duration {
         begun: Mutex::new(None),
         wants_to_stop: AtomicBool::new(false),
     };
-    let ended = run(&format!("{values}\nprint(0);\n{call};"), &limits, &host);
+    let (language, shared) = napping(Duration::ZERO);
+    let text = format!("{values}\nprint(0);\n{call};");
+    let script = Script::compile_in(&language, "a.rhai", &text, &limits).unwrap();
+    let ended = script.run(&host, &RunOptions::default());
+    drop((language, script));
+    while Arc::strong_count(&shared) > 1 {
+        std::thread::sleep(Duration::from_millis(1));
+    }
     match ended {
         Ok(_) => assert!(!stops, "{call} goes on"),
         Err(e) if stops => assert_eq!(e.kind(), ErrorKind::Cancelled, "{call}: {e}"),
@@ -169,5 +177,90 @@ fn no_call_goes_on_when_its_host_wants_it_to_stop() {
             least.is_some(),
             "{call} takes {whole:?}, and no less when it is to stop"
         );
+    }
+}
+
+/// A function of the program that nothing can interrupt, and what it shares with the program.
+fn napping(nap: Duration) -> (Language, Arc<AtomicBool>) {
+    let awake = Arc::new(AtomicBool::new(false));
+    let shared = Arc::clone(&awake);
+    let mut language = Language::new();
+    language.engine_mut(move |engine| {
+        let awake = Arc::clone(&shared);
+        engine.register_fn("nap", move || {
+            std::thread::sleep(nap);
+            awake.store(true, Ordering::Relaxed);
+        });
+    });
+    (language, awake)
+}
+
+#[test]
+fn a_host_that_wants_to_stop_does_not_wait_for_a_call_to_end() {
+    let (language, awake) = napping(Duration::from_secs(3));
+    let script = "print(0); nap(); loop { }";
+    let script = Script::compile_in(&language, "a.rhai", script, &Limits::default()).unwrap();
+    let host = Watching {
+        stops: true,
+        begun: Mutex::new(None),
+        wants_to_stop: AtomicBool::new(false),
+    };
+    let error = script.run(&host, &RunOptions::default()).unwrap_err();
+    let begun = host.begun.lock().unwrap().take().unwrap();
+    assert!(begun.elapsed() < Duration::from_secs(2), "{:?}", begun.elapsed());
+    assert!(!awake.load(Ordering::Relaxed), "the call was waited for");
+    assert_eq!(error.kind(), ErrorKind::Cancelled);
+    assert!(
+        error
+            .to_string()
+            .starts_with("a.rhai: error: the run was stopped"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_run_that_nobody_stops_leaves_nothing_behind() {
+    for script in ["nap();", "nap(); throw 1;", "fn f() { f() } f();"] {
+        let (language, shared) = napping(Duration::ZERO);
+        let compiled = Script::compile_in(&language, "a.rhai", script, &Limits::default()).unwrap();
+        drop(language);
+        drop(compiled.run(&Quiet, &RunOptions::default()));
+        drop(compiled);
+        assert_eq!(Arc::strong_count(&shared), 1, "{script}");
+    }
+}
+
+/// Wants to stop at the first line that is printed, and would read and keep whatever it is asked to.
+#[derive(Default)]
+struct Tired {
+    is_tired: AtomicBool,
+    was_asked: AtomicBool,
+}
+
+impl Host for Tired {
+    fn read(&self, _path: &str, _max_bytes: u64) -> Result<Vec<u8>, HostError> {
+        self.was_asked.store(true, Ordering::Relaxed);
+        Ok(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec())
+    }
+
+    fn print(&self, _text: &str) {
+        self.is_tired.store(true, Ordering::Relaxed);
+    }
+
+    fn should_stop(&self) -> bool {
+        self.is_tired.load(Ordering::Relaxed)
+    }
+}
+
+#[test]
+fn a_host_that_wants_to_stop_is_asked_for_no_file() {
+    for (script, asks) in [
+        ("print(0); mesh(\"a.obj\");", false),
+        ("mesh(\"a.obj\"); print(0); loop { }", true),
+    ] {
+        let host = Tired::default();
+        let error = run(script, &Limits::default(), &host).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::Cancelled, "{script}");
+        assert_eq!(host.was_asked.load(Ordering::Relaxed), asks, "{script}");
     }
 }

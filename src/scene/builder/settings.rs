@@ -291,9 +291,16 @@ impl Builder {
     /// Samples where they are needed, up to those of [`Builder::samples`]; `None` gives all pixels the same.
     ///
     /// # Errors
-    /// As [`Adaptive::check`].
+    /// As [`Adaptive::check`], and where every pixel would have more samples than the limit `samples`.
     pub fn adaptive(&mut self, adaptive: Option<Adaptive>) -> Result<(), SceneError> {
-        adaptive.map_or(Ok(()), |adaptive| adaptive.check())?;
+        if let Some(adaptive) = &adaptive {
+            adaptive.check()?;
+            if adaptive.min > self.limits.samples {
+                let what = format!("at least {} samples are too many", adaptive.min);
+                let error = SceneError::limit(&what, "samples", self.limits.samples);
+                return Err(error.hint("min is what every pixel has: 8 is usual"));
+            }
+        }
         self.scene.settings.adaptive = adaptive;
         Ok(())
     }

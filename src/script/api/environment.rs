@@ -116,12 +116,8 @@ fn color_or(call: &Call<'_, '_>, options: &Map, key: &str, default: Color) -> Ou
 
 /// A whole number of an option.
 fn count_or(call: &Call<'_, '_>, options: &Map, key: &str, default: u32) -> Outcome<u32> {
-    let n = number_or(call, options, key, f64::from(default))?;
-    if n.trunc() == n && n >= 0.0 {
-        Ok(call.within_float(n))
-    } else {
-        Err(call.error(format!("{key} must be a whole number at or above 0, not {n}")))
-    }
+    let given = options.get(key);
+    given.map_or(Ok(default), |given| call.count_from(key, given, 0))
 }
 
 /// Takes an environment of this look, with the options that all have.

@@ -2,7 +2,7 @@
 
 use super::{
     color, int,
-    lamps::{SURFACE_OPTIONS, falloff, number_or, options},
+    lamps::{SURFACE_OPTIONS, falloff, options},
     map, number, vec3,
 };
 use crate::{
@@ -93,12 +93,7 @@ fn directional(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
             .error("n is for a light with an angle")
             .hint("for example directional([1, 1, 1], [1, 1, 1], #{ angle: 2, n: 4 })"));
     };
-    let n = number_or(call, &options, "n", 4.0)?;
-    let n = if n.trunc() == n && n >= 0.0 {
-        call.within_float(n)
-    } else {
-        return Err(call.error(format!("n must be a whole number of at least 1, not {n}")));
-    };
+    let n = options.get("n").map_or(Ok(4), |n| call.count_from("n", n, 1))?;
     let sun = Sun::new(direction, call.number_from("angle", angle)?, n)?;
     state.builder.sun(sun, color)?;
     DONE

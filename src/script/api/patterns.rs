@@ -222,7 +222,7 @@ fn make(call: &mut Call<'_, '_>, kind: PatternKind) -> Outcome {
             "wave" => p.wave = choice(call, key, value, &Wave::ALL)?,
             "frequency" => p.frequency = call.number_from(key, value)?,
             "phase" => p.phase = call.number_from(key, value)?,
-            "detail" => p.detail.count = count(call, key, value)?,
+            "detail" => p.detail.count = call.count_from(key, value, 1)?,
             "lacunarity" => p.detail.lacunarity = call.number_from(key, value)?,
             "gain" => p.detail.gain = call.number_from(key, value)?,
             "jitter" => p.jitter = call.number_from(key, value)?,
@@ -268,18 +268,9 @@ fn place(call: &Call<'_, '_>, placement: &mut Placement, key: &str, value: &Dyna
         "rotate" => placement.rotate = call.vec3_from(key, value)?,
         "translate" => placement.translate = call.vec3_from(key, value)?,
         "turbulence" => placement.turbulence = call.number_from(key, value)?,
-        _ => placement.octaves = count(call, key, value)?,
+        _ => placement.octaves = call.count_from(key, value, 1)?,
     }
     Ok(())
-}
-
-/// A whole number that fits; the scene says what it may be.
-fn count(call: &Call<'_, '_>, name: &str, value: &Dynamic) -> Outcome<u32> {
-    let x = call.number_from(name, value)?;
-    if x.trunc() != x || x < 0.0 {
-        return Err(call.error(format!("{name} must be a whole number from 1 on, not {x}")));
-    }
-    Ok(call.within_float(x))
 }
 
 /// A word that stands for something.

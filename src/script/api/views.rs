@@ -7,7 +7,7 @@ use crate::{
     diag::nearest_names,
     scene::{
         Adaptive, Camera, Crop, Filter, FilterKind, Focus, Lens, Motion, Projection, Region, Sampling,
-        Shutter, Stereo, StereoLayout,
+        SceneError, Shutter, Stereo, StereoLayout,
     },
     script::{
         call::{Call, quoted},
@@ -359,20 +359,9 @@ fn adaptive(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
     let mut adaptive = Adaptive { error: 0.01, min: 8 };
     let mut max = None;
     if let Some(options) = options(call, &["error", "min", "max"])? {
-        let count = |key: &str, least: u32| {
-            let Some(d) = options.get(key) else {
-                return Ok(None);
-            };
-            let n = call.number_from(key, d)?;
-            if n < f64::from(least) || n.trunc() != n {
-                return Err(call.error(format!(
-                    "{key} must be a whole number of at least {least}, not {n}"
-                )));
-            }
-            Ok(Some(call.within_float(n)))
-        };
-        adaptive.min = count("min", 2)?.unwrap_or(adaptive.min);
-        max = count("max", 2)?;
+        let count = |key: &str| options.get(key).map(|d| call.count_from(key, d, 2)).transpose();
+        adaptive.min = count("min")?.unwrap_or(adaptive.min);
+        max = count("max")?;
         if let Some(error) = options.get("error") {
             adaptive.error = call.number_from("error", error)?;
         }
@@ -414,6 +403,14 @@ fn crop(call: &mut Call<'_, '_>, state: &mut State) -> Outcome {
             width: call.count("width", 1)?,
             height: call.count("height", 1)?,
         };
+        let side = state.limits.image_side;
+        if region.width.max(region.height) > side {
+            let what = format!("a part of {} x {} is too large", region.width, region.height);
+            let error = SceneError::limit(&what, "image_side", side);
+            return Err(error
+                .hint("a part that reaches beyond the picture ends where that ends; crop(0, 0, 64, 48) is its upper left corner")
+                .into());
+        }
         let (width, height) = (state.builder.settings().width, state.builder.settings().height);
         if state.size.is_some() {
             // Who asks for another size than the script's gets what there is.
