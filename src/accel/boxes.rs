@@ -49,6 +49,13 @@ impl Box32 {
         }
     }
 
+    /// Half its surface; without meaning for the empty box.
+    #[inline]
+    pub(super) fn half_area(&self) -> f32 {
+        let [x, y, z] = [0, 1, 2].map(|k| self.max[k] - self.min[k]);
+        x * y + y * z + z * x
+    }
+
     /// The size of its largest coordinate; 0 for the empty box.
     #[inline]
     #[must_use]
@@ -136,7 +143,7 @@ impl Node {
 
 /// What a leaf holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-#[repr(u32)]
+#[repr(u8)]
 pub enum LeafKind {
     /// Blocks of triangles.
     Triangles = 0,

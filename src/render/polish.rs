@@ -1,6 +1,9 @@
 //! Surfaces with a [`Finish`]: what they make of the light of lamps, and where their rays go on. Kept out of the integrator's
 //! loop, which a scene without them runs as if there were none.
 
+mod inside;
+mod relief;
+
 use super::{
     bounces::compensation,
     integrator::{Branch, LEAST_WEIGHT, refract},
@@ -11,48 +14,14 @@ use super::{
     world::{Hit, SurfacePoint, World},
 };
 use crate::{
-    color::{self, Color},
-    math::{self, DVec2, DVec3, Exponent, Ray},
-    scene::{Absorption, CustomReflectance, Dispersion, Finish, ShadingPoint, Term, finish_mean},
+    color::Color,
+    math::{DVec2, DVec3, Exponent, Ray},
+    scene::{CustomReflectance, Dispersion, Finish, ShadingPoint, Term, finish_mean},
 };
 
-/// What a ray carries along from surface to surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Inside(u64);
-
-impl Inside {
-    const COLORED: u64 = 1 << 63;
-
-    /// True where it carries anything.
-    pub(super) fn is_any(self) -> bool {
-        self.0 != 0
-    }
-
-    /// Inside of what the primitive with this number bounds, which takes from the light.
-    fn entered(self, primitive: Option<u64>) -> Self {
-        // A scene has far fewer primitives than that.
-        let number = primitive.map_or(0, |number| (number + 1) & !Self::COLORED);
-        Self(self.0 & Self::COLORED | number)
-    }
-
-    /// Outside again.
-    pub(super) fn left(self) -> Self {
-        Self(self.0 & Self::COLORED)
-    }
-
-    fn primitive(self) -> Option<u64> {
-        (self.0 & !Self::COLORED).checked_sub(1)
-    }
-
-    /// Has one wavelength from now on.
-    fn colored(self) -> Self {
-        Self(self.0 | Self::COLORED)
-    }
-
-    fn is_colored(self) -> bool {
-        self.0 & Self::COLORED != 0
-    }
-}
+use inside::absorbed;
+pub(super) use inside::{Inside, dimmed};
+use relief::relieve;
 
 /// Numbers of the choices that are the same for the whole sample, and of those of a point.
 const WAVELENGTH: u64 = 0;
@@ -84,94 +53,6 @@ fn metal(world: &World<'_>, finish: &Finish, at: &SurfacePoint<'_>) -> Option<[C
     };
     let metal = finish.conductor.as_ref()?;
     Some([within(&metal.eta, Finish::ETA), within(&metal.k, Finish::K)])
-}
-
-/// What is left of light after `distance` through what absorbs it: `color` is left after `unit` (Beer, 1852).
-fn left_of(color: Color, unit: f64, distance: f64) -> Color {
-    let times = distance / unit;
-    let channel = |share: f64| {
-        if share >= 1.0 {
-            1.0
-        } else {
-            math::pow(share, times)
-        }
-    };
-    Color::new(channel(color.x), channel(color.y), channel(color.z))
-}
-
-/// Places on a way through what varies that are looked at, each standing for an equal part of it.
-const PLACES: u32 = 16;
-
-/// What is left of light on the way that `ray` goes to `end`, or for good, inside of what the primitive `number` bounds. `end` is on
-/// the surface of the same. `moved` from 0 to 1 is where in each part of the way its place is.
-fn absorbed(
-    world: &World<'_>,
-    absorption: &Absorption,
-    (number, ray): (u64, &Ray),
-    end: Option<&SurfacePoint<'_>>,
-    distance: f64,
-    moved: f64,
-) -> Color {
-    let Absorption {
-        color,
-        distance: unit,
-    } = absorption;
-    if color.texture.is_none() && unit.texture.is_none() {
-        return left_of(color.color, Term::number_of(unit.color), distance);
-    }
-    let uv = end.map(|end| end.uv);
-    let left_over = |t: f64, length: f64| {
-        let Some(mut place) = world.place_near(number, ray, ray.at(t)) else {
-            return Color::ONE;
-        };
-        // No pixel is seen there.
-        place.width = [0.0; 2];
-        place.footprint = None;
-        if let Some(uv) = uv {
-            place.uv = uv;
-        }
-        let at = |term: &Term| world.term_at(term, || place);
-        let color = at(color);
-        let [least, most] = Finish::LEFT.map(Color::splat);
-        let [nearest, farthest] = Finish::DISTANCE;
-        let unit = Term::number_of(at(unit)).max(nearest).min(farthest);
-        left_of(color.max(least).min(most), unit, length)
-    };
-    if !distance.is_finite() {
-        return left_over(0.0, distance);
-    }
-    let part = distance / f64::from(PLACES);
-    (0..PLACES).fold(Color::ONE, |left, i| {
-        left * left_over((f64::from(i) + moved) * part, part)
-    })
-}
-
-/// What is left of the light that a ray sees, having come this far through what it is inside of. `end` is where it ended, if it
-/// did.
-#[cold]
-#[inline(never)]
-pub(super) fn dimmed(
-    world: &World<'_>,
-    inside: Inside,
-    ray: &Ray,
-    end: Option<(&Hit, &SurfacePoint<'_>)>,
-    path: &Path<'_>,
-) -> Color {
-    let leaves = end.filter(|(_, at)| !at.from_front);
-    // Without having seen how it came in, a ray that leaves knows what it leaves.
-    let Some(number) = inside.primitive().or(leaves.map(|(hit, _)| hit.number)) else {
-        return Color::ONE;
-    };
-    let id = world.material_id(number);
-    let material = id.and_then(|id| world.scene.materials.get(id.index()));
-    let Some(absorption) = material.and_then(|material| material.finish.as_ref()?.absorption.as_ref()) else {
-        return Color::ONE;
-    };
-    let distance = end.map_or(f64::INFINITY, |(_, at)| (at.position - ray.origin).length());
-    let own = leaves.filter(|(hit, _)| world.material_id(hit.number) == id);
-    let moved = path.of_surface(ABSORBED);
-    let way = (number, ray);
-    absorbed(world, absorption, way, own.map(|(_, at)| at), distance, moved)
 }
 
 /// The share of a shadow ray's light that comes through a transparent surface with a finish, `kt` being its Kt.
@@ -555,74 +436,4 @@ impl CustomReflectance for Unfollowed<'_, '_> {
 /// mirror.
 pub(super) fn highlight_without_mirror(specular: Color, mirror: Color) -> Color {
     (specular - mirror).max(Color::ZERO)
-}
-
-/// How far apart the points are that relief is measured at, as a share of the ray's length: about half a pixel, so that an edge is
-/// seen and a grain too fine to be seen is not. (PBR 10.5.3 takes half a pixel, too.)
-const STEP: f64 = 5e-4;
-
-/// Turns the shading normal as the relief says.
-fn relieve<'s>(world: &World<'s>, finish: &Finish, hit: &Hit, ray: &Ray, at: &mut SurfacePoint<'s>) {
-    if finish.bump.is_none() && finish.normal_map.is_none() {
-        return;
-    }
-    let n = at.shading_normal;
-    let (t, b) = frame(n);
-    let moved = |offset: DVec3| world.beside(hit, ray, at, offset);
-    let trial = at.scale.max(1e-3) * 1e-6;
-    // World units in one of the shape's, along each direction.
-    let stretched = |dir: DVec3| {
-        let object = moved(dir * trial)?.object_position() - at.object_position();
-        Some(trial / object.length()).filter(|s| s.is_finite())
-    };
-    let (Some(along_t), Some(along_b)) = (stretched(t), stretched(b)) else {
-        return;
-    };
-    let step = ((at.position - ray.origin).length() * STEP).max(trial);
-    let corners = [t * step, t * -step, b * step, b * -step].map(moved);
-    let [Some(t1), Some(t0), Some(b1), Some(b0)] = corners else {
-        return;
-    };
-    // Heights count outward, and the normal looks to the eye.
-    let side = if at.from_front { 1.0 } else { -1.0 };
-    let mut normal = n;
-    if let Some(map) = &finish.normal_map {
-        let round = |d: DVec2| DVec2::new(d.x - (d.x + 0.5).floor(), d.y - (d.y + 0.5).floor());
-        let (dt, db) = (round(t1.uv - t0.uv), round(b1.uv - b0.uv));
-        let det = dt.x * db.y - dt.y * db.x;
-        let along_u = (t * db.y - b * dt.y) / det;
-        let along_v = (b * dt.x - t * db.x) / det;
-        if let Some(texture) = world.scene.textures.get(map.texture.index())
-            && (along_u + along_v).is_finite()
-        {
-            let texel = texture.lookup(&at.texture_point());
-            // A picture's bytes are the numbers themselves here, and no light.
-            let texel = if texture.is_srgb() {
-                Color::new(
-                    color::srgb_from_linear(texel.x),
-                    color::srgb_from_linear(texel.y),
-                    color::srgb_from_linear(texel.z),
-                )
-            } else {
-                texel
-            };
-            let [x, y, z] = (texel * 2.0 - Color::ONE).to_array();
-            let (u, v) = (along_u / along_u.length(), along_v / along_v.length());
-            let strength = Term::number_of(world.term(&map.strength, at));
-            normal = (u * x + v * y) * (strength * side) + n * z.max(1e-3);
-            normal /= normal.length();
-        }
-    }
-    if let Some(bump) = &finish.bump {
-        let height = |at: &SurfacePoint<'_>| {
-            color::luminance(world.term(&bump.texture, at)) * Term::number_of(world.term(&bump.height, at))
-        };
-        let slope_t = (height(&t1) - height(&t0)) * along_t / (2.0 * step);
-        let slope_b = (height(&b1) - height(&b0)) * along_b / (2.0 * step);
-        normal -= (t * slope_t + b * slope_b) * side;
-        normal /= normal.length();
-    }
-    if normal.is_finite() {
-        at.shading_normal = normal;
-    }
 }

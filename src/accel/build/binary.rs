@@ -1,8 +1,13 @@
 //! The binary tree over one subtree. On the way up each node learns what it costs as 1 to 8 children of a wide
 //! node.
 
-use super::{APART, Aabb, Context, Items, Kinds, LEAF_MAX, NODE_COST, Primitive, Summary, divide::halves};
-use crate::accel::{boxes::Box32, four::F4};
+use super::{
+    ALONE_COST, APART, Aabb, Context, Items, LEAF_MAX, NODE_COST, Primitive, Summary, divide::halves,
+};
+use crate::accel::{
+    boxes::{Box32, LeafKind},
+    four::F4,
+};
 
 /// A node of the binary tree over consecutive items.
 #[derive(Clone, Copy, Debug)]
@@ -19,6 +24,8 @@ pub(super) struct Binary {
     pub(super) first: u32,
     /// Items of a leaf.
     pub(super) count: u8,
+    /// What a leaf holds.
+    pub(super) kind: LeafKind,
     /// As one child it is a leaf.
     pub(super) is_leaf: bool,
     is_link: bool,
@@ -35,7 +42,7 @@ pub(super) fn build(
 ) {
     let n = items.count;
     if n == 1 || n <= LEAF_MAX && context.kinds.are_one(items.live()) {
-        few(items.live(), context.kinds, &summary.bounds, first, out);
+        few(items.live(), context, &summary.bounds, first, out);
         return;
     }
     let [(left, left_summary), (right, right_summary)] = halves(items, context, summary, depth);
@@ -43,11 +50,11 @@ pub(super) fn build(
     build(left, context, &left_summary, first, depth + 1, out);
     let left = out.len() - 1;
     build(right, context, &right_summary, right_first, depth + 1, out);
-    out.push(Binary::join(out, left, &summary.bounds, None));
+    out.push(Binary::join(out, left, &summary.bounds, context.memory));
 }
 
 /// Appends what fits one leaf: as a leaf, or, where their boxes are so far apart that it pays, as several.
-fn few(items: &mut [Primitive], kinds: Kinds, bounds: &Aabb, first: usize, out: &mut Vec<Binary>) {
+fn few(items: &mut [Primitive], context: &Context<'_>, bounds: &Aabb, first: usize, out: &mut Vec<Binary>) {
     let boxes: [Aabb; LEAF_MAX] =
         std::array::from_fn(|i| items.get(i).map_or(Aabb::empty(), Primitive::aabb));
     let around = |mask: usize| {
@@ -70,7 +77,7 @@ fn few(items: &mut [Primitive], kinds: Kinds, bounds: &Aabb, first: usize, out: 
         }
     }
     if left == 0 {
-        out.push(Binary::leaf(items, kinds, bounds, first));
+        out.push(Binary::leaf(items, context, bounds, first));
         return;
     }
     let mut middle = 0;
@@ -80,23 +87,33 @@ fn few(items: &mut [Primitive], kinds: Kinds, bounds: &Aabb, first: usize, out: 
             middle += 1;
         }
     }
-    let as_leaf = kinds.leaf_cost(items);
+    let as_leaf = Binary::leaf(items, context, bounds, first);
     let (left_items, right_items) = items.split_at_mut(middle);
-    few(left_items, kinds, &around(left), first, out);
+    few(left_items, context, &around(left), first, out);
     let left_node = out.len() - 1;
-    few(right_items, kinds, &around(all & !left), first + middle, out);
-    out.push(Binary::join(out, left_node, bounds, Some(as_leaf)));
+    few(right_items, context, &around(all & !left), first + middle, out);
+    let divided = Binary::join(out, left_node, bounds, context.memory);
+    out.push(divided.or_leaf(&as_leaf));
 }
 
 impl Binary {
-    fn leaf(items: &[Primitive], kinds: Kinds, bounds: &Aabb, first: usize) -> Self {
+    /// A leaf of items of one kind.
+    fn leaf(items: &[Primitive], context: &Context<'_>, bounds: &Aabb, first: usize) -> Self {
+        let kind = items
+            .first()
+            .map_or(LeafKind::Others, |item| context.kinds.of(item));
+        let cost = match kind {
+            LeafKind::Others => bounds.half_area() * (ALONE_COST * items.len() as u32) as f32,
+            _ => bounds.half_area() + context.memory,
+        };
         Self {
             bounds: bounds.to_box(),
             area: items.iter().map(Primitive::area).sum(),
-            cost: [bounds.half_area() * kinds.leaf_cost(items); 8],
+            cost: [cost; 8],
             left: 0,
             first: first as u32,
             count: items.len() as u8,
+            kind,
             is_leaf: true,
             is_link: false,
         }
@@ -117,10 +134,15 @@ impl Binary {
         self.is_link.then_some(self.first as usize)
     }
 
-    /// The node above the one at `left` and the last. The least cost as j children is the least sum over all ways to share j between the
-    /// parts (Wald, Benthin and Boulos, "Getting rid of packets", 2008, do this greedily; by dynamic programming
-    /// it is exact).
-    pub(super) fn join(nodes: &[Self], left: usize, bounds: &Aabb, leaf: Option<f32>) -> Self {
+    /// Its items of all that its tree is over, where it is a leaf.
+    pub(super) fn items<'i>(&self, all: &'i [Primitive]) -> &'i [Primitive] {
+        &all[self.first as usize..][..usize::from(self.count)]
+    }
+
+    /// The node above the one at `left` and the last. The least cost as j children is the least sum over all ways to
+    /// share j between the parts (Wald, Benthin and Boulos, "Getting rid of packets", 2008, do this greedily; by dynamic
+    /// programming it is exact). As one child it costs `memory` more.
+    pub(super) fn join(nodes: &[Self], left: usize, bounds: &Aabb, memory: f32) -> Self {
         let (l, r) = (&nodes[left], &nodes[nodes.len() - 1]);
         // Behind infinities, so that loading from k places before gives the costs of the rest, j - k.
         let mut rest = [f32::INFINITY; 16];
@@ -133,16 +155,7 @@ impl Binary {
             high = share.add(load(12 - k)).min(high);
         }
         let own = high.to_array()[3];
-        let half_area = bounds.half_area();
-        let mut one = half_area * NODE_COST + own;
-        let as_leaf = leaf.map(|cost| half_area * cost);
-        let is_leaf = as_leaf.is_some_and(|cost| cost <= one);
-        if let Some(cost) = as_leaf
-            && is_leaf
-        {
-            one = cost;
-        }
-        let bound = F4::splat(one);
+        let bound = F4::splat(bounds.half_area() * NODE_COST + own + memory);
         let ([a, b, c, d], [e, f, g, h]) = (low.min(bound).to_array(), high.min(bound).to_array());
         Self {
             bounds: bounds.to_box(),
@@ -150,10 +163,23 @@ impl Binary {
             cost: [a, b, c, d, e, f, g, h],
             left: left as u32,
             first: l.first,
-            // Wraps where it is no leaf, and then means nothing.
-            count: l.count.wrapping_add(r.count),
-            is_leaf,
+            // Without meaning where it is no leaf.
+            count: 0,
+            kind: LeafKind::Others,
+            is_leaf: false,
             is_link: false,
+        }
+    }
+
+    /// The same, or a leaf where that costs no more.
+    fn or_leaf(self, leaf: &Self) -> Self {
+        if !(leaf.cost[0] <= self.cost[0]) {
+            return self;
+        }
+        Self {
+            cost: self.cost.map(|cost| cost.min(leaf.cost[0])),
+            left: self.left,
+            ..*leaf
         }
     }
 }

@@ -29,17 +29,17 @@ impl<const N: usize> Task for Fill<'_, N> {
     }
 }
 
-/// Finds the split of least cost of what is in bins.
-struct Choose<'a, const N: usize>(Binning<N>, &'a Bins<N>);
+/// Finds the split of least cost of what is in bins; with what a block costs for its memory.
+struct Choose<'a, const N: usize>(Binning<N>, &'a Bins<N>, f32);
 
 impl<const N: usize> Task for Choose<'_, N> {
     type Output = Option<Split>;
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) -> Option<Split> {
-        let Self(binning, bins) = self;
+        let Self(binning, bins, memory) = self;
         let scales = binning.scale.to_array();
-        let (best, bounds) = bins.best(lanes, scales)?;
+        let (best, bounds) = bins.best(lanes, scales, memory)?;
         Some(Split {
             axis: best.axis,
             plane: best.bin as f32,
@@ -52,7 +52,7 @@ impl<const N: usize> Task for Choose<'_, N> {
 }
 
 /// Both, without the way through memory that a task's end is.
-struct FillAndChoose<'a, const N: usize>(Fill<'a, N>);
+struct FillAndChoose<'a, const N: usize>(Fill<'a, N>, f32);
 
 impl<const N: usize> Task for FillAndChoose<'_, N> {
     type Output = Option<Split>;
@@ -60,7 +60,7 @@ impl<const N: usize> Task for FillAndChoose<'_, N> {
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) -> Option<Split> {
         let binning = self.0.binning;
-        Choose(binning, &self.0.run(lanes)).run(lanes)
+        Choose(binning, &self.0.run(lanes), self.1).run(lanes)
     }
 }
 
@@ -120,12 +120,12 @@ pub(super) struct Split {
 }
 
 impl Split {
-    /// The split of least cost (area times load, left plus right) over all three axes; `None` where all centers
+    /// The split of least cost (area and memory times load, left plus right) over all three axes; `None` where all centers
     /// coincide. Few items need few bins.
     pub(super) fn best(items: &[Primitive], context: &Context<'_>, centers: &Aabb) -> Option<Self> {
         match items.len() {
-            0..12 => Self::best_of_bins::<4>(items, context, centers),
-            12..64 => Self::best_of_bins::<8>(items, context, centers),
+            0..8 => Self::best_of_bins::<4>(items, context, centers),
+            8..64 => Self::best_of_bins::<8>(items, context, centers),
             _ => Self::best_of_bins::<16>(items, context, centers),
         }
     }
@@ -142,14 +142,14 @@ impl Split {
             binning: Binning::new(centers),
         };
         if items.len() <= 2 * PIECE {
-            return simd.run(FillAndChoose(fill(items)));
+            return simd.run(FillAndChoose(fill(items), context.memory));
         }
         let bins = items
             .par_chunks(PIECE)
             .filter(|_| !(context.stop)())
             .map(|piece| simd.run(fill(piece)))
             .reduce_with(|a, b| simd.run(Merge(a, b)))?;
-        simd.run(Choose(fill(items).binning, &bins))
+        simd.run(Choose(fill(items).binning, &bins, context.memory))
     }
 
     /// The division by a plane.

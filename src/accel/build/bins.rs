@@ -77,21 +77,23 @@ fn sum(a: Loads, b: Loads) -> Loads {
 pub(super) struct Best {
     pub(super) axis: usize,
     pub(super) bin: usize,
-    /// Area times load, left plus right.
+    /// Area, and what memory counts for, times load; left plus right.
     pub(super) cost: f32,
 }
 
 /// The plane of least cost over boxes of bins, what begins in each bin and what ends there. `forbidden` has all bits
-/// set where a plane before a bin is not to be taken.
+/// set where a plane before a bin is not to be taken; `memory` is what each block costs more.
 #[inline(always)]
 pub(super) fn best<const N: usize, L: Lanes>(
     lanes: L,
     boxes: &[[Box8; N]; 3],
     begin: &[Loads; N],
     end: &[Loads; N],
+    memory: f32,
     forbidden: impl Fn(usize) -> F4,
 ) -> Option<Best> {
     let (nothing, zero) = (Box8::EMPTY.load(lanes), F4::splat(0.0));
+    let memory = F4::splat(memory);
     let mut right = [zero; N];
     let (mut around, mut load) = ([nothing; 3], [Load::default(); 4]);
     for i in (1..N).rev() {
@@ -102,6 +104,7 @@ pub(super) fn best<const N: usize, L: Lanes>(
         let blocks = cost_of(load);
         // A NaN where there is nothing, which stays one and is never the least.
         right[i] = half_areas(lanes, around)
+            .add(memory)
             .mul(blocks)
             .or(zero.not_less(blocks))
             .or(forbidden(i));
@@ -115,6 +118,7 @@ pub(super) fn best<const N: usize, L: Lanes>(
         load = sum(load, begin[i - 1]);
         let blocks = cost_of(load);
         let cost = half_areas(lanes, around)
+            .add(memory)
             .mul(blocks)
             .or(zero.not_less(blocks))
             .add(right[i]);
@@ -211,12 +215,17 @@ impl<const N: usize> Bins<N> {
         self
     }
 
-    /// The plane of least cost, and the boxes around both parts.
+    /// The plane of least cost, where each block costs `memory` more, and the boxes around both parts.
     #[inline(always)]
-    pub(super) fn best<L: Lanes>(&self, lanes: L, scales: [f32; 4]) -> Option<(Best, [Aabb; 2])> {
+    pub(super) fn best<L: Lanes>(
+        &self,
+        lanes: L,
+        scales: [f32; 4],
+        memory: f32,
+    ) -> Option<(Best, [Aabb; 2])> {
         // Along an axis on which all centers coincide nothing can be divided.
         let flat = F4::from_array(scales.map(|scale| if scale == 0.0 { f32::NAN } else { 0.0 }));
-        let best = best(lanes, &self.boxes, &self.loads, &self.loads, |_| flat)?;
+        let best = best(lanes, &self.boxes, &self.loads, &self.loads, memory, |_| flat)?;
         let around = |boxes: &[Box8]| {
             let around = boxes.iter().fold(Box8::EMPTY.load(lanes), |around, bin| {
                 lanes.min(bin.load(lanes), around)

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{
-    Aabb, Bvh, Context, Items, Kinds, LEAF_MAX, Leaves, Primitive, Stop,
+    Aabb, Bvh, Context, Items, LEAF_MAX, Leaves, Primitive, Stop,
     binary::{self, Binary},
     divide::{Part, Subtree},
 };
@@ -33,7 +33,7 @@ pub(super) fn collapse(top: Part<'_>, context: &Context<'_>) -> Collapsed {
         return Collapsed::nothing();
     }
     let mut tree = Vec::with_capacity(2 * built.len());
-    join(&shape, &built, &mut tree);
+    join(&shape, &built, context.memory, &mut tree);
     let trees: Vec<&[Binary]> = std::iter::once(&tree)
         .chain(&built)
         .map(|tree| &tree[..])
@@ -43,8 +43,9 @@ pub(super) fn collapse(top: Part<'_>, context: &Context<'_>) -> Collapsed {
     let mut above = Emitter {
         trees: &trees,
         home: 0,
+        memory: context.memory,
         output: Output::default(),
-        leaf: |_: &mut Output, end: Place, _: &Binary| {
+        leaf: |_: &mut Output, end: Place, _: &[Binary]| {
             ends.push(end);
             Child::leaf(LeafKind::Others, ends.len() - 1, 1)
         },
@@ -62,10 +63,11 @@ pub(super) fn collapse(top: Part<'_>, context: &Context<'_>) -> Collapsed {
             let mut emitter = Emitter {
                 trees: &trees,
                 home: end.tree,
+                memory: context.memory,
                 output: Output::default(),
-                leaf: |output: &mut Output, _: Place, binary: &Binary| {
-                    let items = &items[end.tree - 1][binary.first as usize..];
-                    output.leaf(&items[..usize::from(binary.count)], context.kinds)
+                leaf: |output: &mut Output, _: Place, leaves: &[Binary]| {
+                    let items = items[end.tree - 1];
+                    output.leaf(leaves[0].kind, leaves.iter().flat_map(|leaf| leaf.items(items)))
                 },
             };
             let child = emitter.child(end);
@@ -177,16 +179,16 @@ fn shape<'a>(part: Part<'a>, subtrees: &mut Vec<Subtree<'a>>) -> Shape {
 }
 
 /// Appends the binary tree whose ends are links to subtrees; its root's index.
-fn join(shape: &Shape, built: &[Vec<Binary>], tree: &mut Vec<Binary>) -> usize {
+fn join(shape: &Shape, built: &[Vec<Binary>], memory: f32, tree: &mut Vec<Binary>) -> usize {
     match shape {
         Shape::Subtree(index) => {
             let root = built[*index].last().copied();
             tree.extend(root.map(|root| Binary::link(root, *index)));
         }
         Shape::Pair(parts, bounds) => {
-            let left = join(&parts[0], built, tree);
-            join(&parts[1], built, tree);
-            tree.push(Binary::join(tree, left, bounds, None));
+            let left = join(&parts[0], built, memory, tree);
+            join(&parts[1], built, memory, tree);
+            tree.push(Binary::join(tree, left, bounds, memory));
         }
     }
     tree.len() - 1
@@ -201,10 +203,13 @@ struct Output {
 }
 
 impl Output {
-    fn leaf(&mut self, items: &[Primitive], kinds: Kinds) -> Child {
+    /// A leaf of items of one kind, no more than a block holds.
+    fn leaf<'i>(&mut self, kind: LeafKind, items: impl Iterator<Item = &'i Primitive>) -> Child {
         let mut indices = [NONE; LEAF_MAX];
+        let mut count = 0;
         for (index, item) in indices.iter_mut().zip(items) {
             *index = item.index();
+            count += 1;
         }
         // What is not used stays last. The halves of a triangle that was cut may meet again.
         indices.sort_unstable();
@@ -214,14 +219,13 @@ impl Output {
             }
         }
         indices.sort_unstable();
-        let kind = items.first().map_or(LeafKind::Others, |item| kinds.of(item));
         let blocks = match kind {
             LeafKind::Triangles => &mut self.leaves.triangles,
             LeafKind::Spheres => &mut self.leaves.spheres,
             LeafKind::Cuboids => &mut self.leaves.cuboids,
             LeafKind::Others => {
-                self.others.extend_from_slice(&indices[..items.len()]);
-                return Child::leaf(kind, self.others.len() - items.len(), items.len());
+                self.others.extend_from_slice(&indices[..count]);
+                return Child::leaf(kind, self.others.len() - count, count);
             }
         };
         blocks.push(indices);
@@ -279,15 +283,17 @@ impl Place {
     }
 }
 
-/// Makes nodes of the binary tree `home`; `leaf` makes its leaves, and what of other trees is a child.
+/// Makes nodes of the binary tree `home`; `leaf` makes its leaves, of several what they hold together, and what of other
+/// trees is a child.
 struct Emitter<'a, F> {
     trees: &'a [&'a [Binary]],
     home: usize,
+    memory: f32,
     output: Output,
     leaf: F,
 }
 
-impl<F: FnMut(&mut Output, Place, &Binary) -> Child> Emitter<'_, F> {
+impl<F: FnMut(&mut Output, Place, &[Binary]) -> Child> Emitter<'_, F> {
     /// The node at a place, and where a link to another tree leads to.
     fn at(&self, place: Place) -> (Place, &Binary) {
         let binary = &self.trees[place.tree][place.index];
@@ -301,7 +307,7 @@ impl<F: FnMut(&mut Output, Place, &Binary) -> Child> Emitter<'_, F> {
         let (place, binary) = self.at(place);
         if place.tree != self.home || binary.is_leaf {
             let binary = *binary;
-            (self.leaf)(&mut self.output, place, &binary)
+            (self.leaf)(&mut self.output, place, &[binary])
         } else {
             self.node(place)
         }
@@ -309,15 +315,21 @@ impl<F: FnMut(&mut Output, Place, &Binary) -> Child> Emitter<'_, F> {
 
     /// Makes a node whose children are the best cut of a binary node in eight.
     fn node(&mut self, place: Place) -> Child {
-        let mut children = Children::default();
+        let mut children = Children::NONE;
         self.share(place, 8, &mut children);
+        children.merge(self.trees[self.home], self.memory);
         let node = self.output.nodes.len();
         self.output.nodes.push(Node::EMPTY);
-        for lane in 0..children.count {
-            let place = children.places[lane];
-            let child = self.child(place);
-            let bounds = self.at(place).1.bounds;
-            self.output.nodes[node].set(lane, &bounds, child);
+        for (lane, one) in children.lanes[..children.count].iter().enumerate() {
+            let child = match one.leaves {
+                0 | 1 => self.child(one.place),
+                leaves => {
+                    let tree = self.trees[self.home];
+                    let leaves = &one.indices.map(|index| tree[index as usize])[..leaves];
+                    (self.leaf)(&mut self.output, one.place, leaves)
+                }
+            };
+            self.output.nodes[node].set(lane, &one.bounds, child);
         }
         Child::node(node)
     }
@@ -351,30 +363,104 @@ impl<F: FnMut(&mut Output, Place, &Binary) -> Child> Emitter<'_, F> {
         if room > 1 {
             self.share(place, room, children);
         } else {
-            children.push(place, binary);
+            children.push(place, binary, place.tree == self.home);
         }
+    }
+}
+
+/// A child of a node.
+#[derive(Clone, Copy)]
+struct Lane {
+    place: Place,
+    bounds: Box32,
+    promise: f32,
+    /// The leaves that share its block, and their number: 0 where it is none of this tree.
+    indices: [u32; LEAF_MAX],
+    leaves: usize,
+    /// Items of all of these.
+    items: usize,
+}
+
+impl Lane {
+    const NOTHING: Self = Self {
+        place: Place { tree: 0, index: 0 },
+        bounds: Box32::EMPTY,
+        promise: 0.0,
+        indices: [0; LEAF_MAX],
+        leaves: 0,
+        items: 0,
+    };
+
+    /// Takes in what another has, which has room.
+    fn join(&mut self, other: &Self) {
+        self.bounds = self.bounds.union(&other.bounds);
+        self.indices[self.leaves..][..other.leaves].copy_from_slice(&other.indices[..other.leaves]);
+        self.leaves += other.leaves;
+        self.items += other.items;
     }
 }
 
 /// The children of a node, in ascending order of promise: a shadow ray goes to the last lane it enters first,
 /// which is to be the one that blocks most for its cost.
-#[derive(Default)]
 struct Children {
     count: usize,
-    places: [Place; 8],
-    promises: [f32; 8],
+    lanes: [Lane; 8],
 }
 
 impl Children {
-    fn push(&mut self, at: Place, binary: &Binary) {
+    const NONE: Self = Self {
+        count: 0,
+        lanes: [Lane::NOTHING; 8],
+    };
+
+    fn push(&mut self, place: Place, binary: &Binary, is_home: bool) {
         let promise = binary.area / binary.cost[0].max(f32::MIN_POSITIVE);
-        let mut place = self.count;
-        while place > 0 && promise < self.promises[place - 1] {
-            self.places[place] = self.places[place - 1];
-            self.promises[place] = self.promises[place - 1];
-            place -= 1;
+        let leaves = usize::from(is_home && binary.is_leaf);
+        let mut lane = self.count;
+        while lane > 0 && promise < self.lanes[lane - 1].promise {
+            self.lanes[lane] = self.lanes[lane - 1];
+            lane -= 1;
         }
-        (self.places[place], self.promises[place]) = (at, promise);
+        self.lanes[lane] = Lane {
+            place,
+            bounds: binary.bounds,
+            promise,
+            indices: [place.index as u32; LEAF_MAX],
+            leaves,
+            items: leaves * usize::from(binary.count),
+        };
         self.count += 1;
+    }
+
+    /// Puts leaves of a tree into one block as long as there are two that fit, and their box has less surface than theirs
+    /// and what the memory of a block counts for.
+    fn merge(&mut self, tree: &[Binary], memory: f32) {
+        loop {
+            let (mut least, mut best) = (memory, None);
+            for right in 1..self.count {
+                for left in 0..right {
+                    let (a, b) = (&self.lanes[left], &self.lanes[right]);
+                    if a.leaves == 0 || b.leaves == 0 || a.items + b.items > LEAF_MAX {
+                        continue;
+                    }
+                    let [kind, other] = [a, b].map(|lane| tree[lane.place.index].kind);
+                    if kind != other || kind == LeafKind::Others {
+                        continue;
+                    }
+                    let more =
+                        a.bounds.union(&b.bounds).half_area() - a.bounds.half_area() - b.bounds.half_area();
+                    if more < least {
+                        (least, best) = (more, Some((left, right)));
+                    }
+                }
+            }
+            let Some((left, right)) = best else {
+                return;
+            };
+            let less_promising = self.lanes[left];
+            self.lanes[right].join(&less_promising);
+            self.lanes.copy_within(left + 1..self.count, left);
+            self.count -= 1;
+        }
     }
 }

@@ -3,13 +3,15 @@
 //!
 //! First the primitives are divided, in parallel, until no part is larger than a subtree that fits the cache
 //! ([`divide`]). Subtrees then become binary trees, many at once ([`binary`]). All of them together are collapsed
-//! to nodes ([`collapse`]). The tree does not depend on the number of threads.
+//! to nodes ([`collapse`]). Memory counts wherever costs are compared ([`memory`]). The tree does not depend on the
+//! number of threads.
 
 mod binary;
 mod binning;
 mod bins;
 mod collapse;
 mod divide;
+mod memory;
 mod spatial;
 #[cfg(test)]
 mod tests;
@@ -30,9 +32,8 @@ const NODE_COST: f32 = 1.0;
 const ALONE_COST: u32 = 2;
 /// Most primitives in a leaf.
 const LEAF_MAX: usize = BLOCK;
-/// A leaf is divided where its halves' areas together are less than this part of its own. Below 1, because a block
-/// that is nearly empty takes as much memory as a full one.
-const APART: f32 = 0.7;
+/// A leaf may be divided where its halves' areas together are less than this part of its own.
+const APART: f32 = 0.95;
 /// Below this depth every split halves, which bounds the depth of the tree and so the traversal's stack.
 const SAH_DEPTH: usize = 48;
 
@@ -197,14 +198,6 @@ impl Kinds {
         }
     }
 
-    /// Cost of a leaf of these, which are of one kind, in tests of one block.
-    fn leaf_cost(self, items: &[Primitive]) -> f32 {
-        match items.first().map(|item| self.of(item)) {
-            Some(LeafKind::Others) => (ALONE_COST * items.len() as u32) as f32,
-            _ => 1.0,
-        }
-    }
-
     #[inline]
     fn can_be_cut(self, item: &Primitive) -> bool {
         (item.index() as usize) < self.triangles
@@ -223,6 +216,8 @@ struct Context<'a> {
     corners: &'a Corners<'a>,
     /// Half the surface of the box around everything.
     root_area: f32,
+    /// What a block or a node costs for the memory it takes: tests of a block times half the surface of its box.
+    memory: f32,
     simd: Simd,
     stop: &'a Stop<'a>,
 }
@@ -453,6 +448,7 @@ impl Bvh {
             kinds,
             corners: &corners,
             root_area: summary.bounds.half_area(),
+            memory: memory::charge(&primitives[..count]),
             simd: Simd::detect(),
             stop: &stop,
         };

@@ -164,6 +164,7 @@ struct Choose<'a> {
     parts: &'a Parts,
     items: u32,
     room: u32,
+    memory: f32,
 }
 
 impl Task for Choose<'_> {
@@ -176,6 +177,7 @@ impl Task for Choose<'_> {
             parts,
             items,
             room,
+            memory,
         } = self;
         let mut forbidden = [[f32::NAN; 4]; BINS];
         let (mut left, mut right) = ([0; 4], [items; 4]);
@@ -190,7 +192,14 @@ impl Task for Choose<'_> {
             }
         }
         let forbidden = |i: usize| F4::from_array(forbidden[i]);
-        best(lanes, &parts.boxes, &parts.loads[0], &parts.loads[1], forbidden)
+        best(
+            lanes,
+            &parts.boxes,
+            &parts.loads[0],
+            &parts.loads[1],
+            memory,
+            forbidden,
+        )
     }
 }
 
@@ -232,6 +241,7 @@ impl Plane {
             parts: &parts,
             items: items.len() as u32,
             room: room as u32,
+            memory: context.memory,
         })?;
         Some(Self {
             axis: best.axis,

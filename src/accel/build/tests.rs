@@ -102,17 +102,52 @@ fn what_has_no_box_is_in_no_leaf() {
     assert!(bvh.nodes.is_empty() && leaves.triangles.is_empty());
 }
 
+/// Leaves whose blocks are nearly empty share them, unless that would cost rays much.
+#[test]
+fn blocks_are_full_where_that_costs_little() {
+    let n = cases(40_000);
+    let kinds = Kinds {
+        triangles: n,
+        spheres: 0,
+    };
+    let items = primitives(n);
+    let memory = memory::charge(&items);
+    let (bvh, leaves) = Bvh::build(items, kinds, 0.0, |_| [DVec3::ZERO; 3], || false);
+    let full = leaves.triangles.len() as f64 * BLOCK as f64 / n as f64;
+    assert!(full < 1.1, "{full}");
+    for node in &bvh.nodes {
+        let blocks: Vec<(Box32, usize)> = (0..8)
+            .filter(|lane| node.children[*lane] != Child::NOTHING && node.children[*lane].is_leaf())
+            .map(|lane| {
+                let bounds = Box32 {
+                    min: [0, 1, 2].map(|k| node.planes[k][lane]),
+                    max: [3, 4, 5].map(|k| node.planes[k][lane]),
+                };
+                let indices = leaves.triangles[node.children[lane].first()];
+                let empty = indices.iter().filter(|index| **index == crate::accel::NONE);
+                (bounds, BLOCK - empty.count())
+            })
+            .collect();
+        for (i, (a, items)) in blocks.iter().enumerate() {
+            for (b, more) in &blocks[..i] {
+                let growth = a.union(b).half_area() - a.half_area() - b.half_area();
+                assert!(items + more > BLOCK || growth >= 0.999 * memory);
+            }
+        }
+    }
+}
+
 /// The best plane between eight bins.
-struct BestOfEight<'a>(&'a [Primitive], Kinds, Binning<8>);
+struct BestOfEight<'a>(&'a [Primitive], Kinds, Binning<8>, f32);
 
 impl Task for BestOfEight<'_> {
     type Output = Option<(usize, usize, f32, [Box32; 2])>;
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) -> Self::Output {
-        let Self(items, kinds, binning) = self;
+        let Self(items, kinds, binning, memory) = self;
         let bins = Bins::of(lanes, items, kinds, &binning);
-        let (best, bounds) = bins.best(lanes, binning.scale.to_array())?;
+        let (best, bounds) = bins.best(lanes, binning.scale.to_array(), memory)?;
         Some((best.axis, best.bin, best.cost, bounds.map(Aabb::to_box)))
     }
 }
@@ -135,6 +170,7 @@ fn no_plane_between_bins_costs_less_than_the_one_that_is_found() {
         let centers = Summary::of(&items).centers;
         let binning = Binning::<8>::new(&centers);
         let (scale, min) = (binning.scale.to_array(), binning.min.to_array());
+        let memory = [0.0, 0.01][n / 2 % 2];
         let mut least: Option<(usize, usize, f32, [Box32; 2])> = None;
         for axis in 0..3 {
             for bin in 1..8 {
@@ -152,7 +188,8 @@ fn no_plane_between_bins_costs_less_than_the_one_that_is_found() {
                         .filter(|item| item.index() as usize >= kinds.triangles);
                     let alone = alone.count() as f32;
                     let blocks = ((side.len() as f32 - alone) / 4.0).ceil();
-                    (bounds.half_area() * (blocks + 2.0 * alone), bounds.to_box())
+                    let cost = (bounds.half_area() + memory) * (blocks + 2.0 * alone);
+                    (cost, bounds.to_box())
                 });
                 let cost = sides[0].0 + sides[1].0;
                 if least.is_none_or(|least| cost < least.2) {
@@ -162,7 +199,7 @@ fn no_plane_between_bins_costs_less_than_the_one_that_is_found() {
         }
         assert!(least.is_some());
         for simd in Simd::all() {
-            let found = simd.run(BestOfEight(&items, kinds, binning));
+            let found = simd.run(BestOfEight(&items, kinds, binning, memory));
             assert_eq!(found, least, "{n} items, {simd:?}");
         }
     }

@@ -117,23 +117,7 @@ impl Sdf {
     /// # Ok::<(), rtscript::scene::SceneError>(())
     /// ```
     pub fn twisted(&self, degrees: f64) -> Result<Self, SceneError> {
-        let angle = number("the angle", degrees)? * (math::PI / 180.0);
-        let [x, y, z] = Field::point();
-        let (s, c) = ((&y * angle).sin(), (&y * angle).cos());
-        let point = [&c * &x - &s * &z, y, &s * &x + &c * &z];
-        let around = self.around.map(|a| {
-            let far = a
-                .bounds
-                .corners()
-                .iter()
-                .fold(0.0, |far: f64, p| far.max((p.x * p.x + p.z * p.z).sqrt()));
-            let (low, high) = (a.bounds.min.y, a.bounds.max.y);
-            a.around(
-                [DVec3::new(-far, low, -far), DVec3::new(far, high, far)],
-                2f64.sqrt(),
-            )
-        });
-        Ok(Self::new(self.field.moved_to(&point), around))
+        self.turned_along(1, [0, 2], degrees)
     }
 
     /// Bent about the Z axis by so many degrees for each unit along x.
@@ -151,21 +135,32 @@ impl Sdf {
     /// # Ok::<(), rtscript::scene::SceneError>(())
     /// ```
     pub fn bent(&self, degrees: f64) -> Result<Self, SceneError> {
+        self.turned_along(0, [0, 1], degrees)
+    }
+
+    /// Turned in the plane of two axes by so many degrees for each unit along an axis.
+    #[allow(clippy::indexing_slicing, reason = "axes are 0, 1 and 2")]
+    fn turned_along(
+        &self,
+        axis: usize,
+        [first, second]: [usize; 2],
+        degrees: f64,
+    ) -> Result<Self, SceneError> {
         let angle = number("the angle", degrees)? * (math::PI / 180.0);
-        let [x, y, z] = Field::point();
-        let (s, c) = ((&x * angle).sin(), (&x * angle).cos());
-        let point = [&c * &x - &s * &y, &s * &x + &c * &y, z];
+        let mut point = Field::point();
+        let (s, c) = ((&point[axis] * angle).sin(), (&point[axis] * angle).cos());
+        let (x, y) = (point[first].clone(), point[second].clone());
+        point[first] = &c * &x - &s * &y;
+        point[second] = &s * &x + &c * &y;
         let around = self.around.map(|a| {
-            let far = a
-                .bounds
-                .corners()
-                .iter()
-                .fold(0.0, |far: f64, p| far.max((p.x * p.x + p.y * p.y).sqrt()));
-            let (low, high) = (a.bounds.min.z, a.bounds.max.z);
-            a.around(
-                [DVec3::new(-far, -far, low), DVec3::new(far, far, high)],
-                2f64.sqrt(),
-            )
+            let far = a.bounds.corners().iter().fold(0.0, |far: f64, p| {
+                far.max((p[first] * p[first] + p[second] * p[second]).sqrt())
+            });
+            let (mut low, mut high) = (a.bounds.min, a.bounds.max);
+            for k in [first, second] {
+                (low[k], high[k]) = (-far, far);
+            }
+            a.around([low, high], 2f64.sqrt())
         });
         Ok(Self::new(self.field.moved_to(&point), around))
     }
