@@ -58,9 +58,39 @@ impl Candidates {
     };
 }
 
-/// Four triangles: one corner and two edges.
+/// The numbers of a triangle's three corners in half of the room that they take elsewhere, if they are small enough.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Corners(u64);
+
+impl Corners {
+    /// Bits of a number.
+    const BITS: u32 = 21;
+    /// Numbers that do not fit are to be looked up. No three that fit have the top bit.
+    pub const ELSEWHERE: Self = Self(u64::MAX);
+
+    /// Those numbers, or [`Corners::ELSEWHERE`].
+    #[must_use]
+    pub fn new(corners: [u32; 3]) -> Self {
+        if corners.iter().any(|corner| corner >> Self::BITS != 0) {
+            return Self::ELSEWHERE;
+        }
+        let [a, b, c] = corners.map(u64::from);
+        Self(a | b << Self::BITS | c << (2 * Self::BITS))
+    }
+
+    /// The numbers, where they are here.
+    #[inline(always)]
+    #[must_use]
+    pub fn get(self) -> Option<[u32; 3]> {
+        let Self(bits) = self;
+        let number = |at: u32| (bits >> (at * Self::BITS)) as u32 & ((1 << Self::BITS) - 1);
+        (self != Self::ELSEWHERE).then(|| [number(0), number(1), number(2)])
+    }
+}
+
+/// Four triangles: one corner and two edges; three lines of a cache.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(16))]
+#[repr(C, align(64))]
 pub struct Triangles {
     pub(super) corner: [[f32; BLOCK]; 3],
     pub(super) edge1: [[f32; BLOCK]; 3],
@@ -69,7 +99,7 @@ pub struct Triangles {
     pub ids: [u32; BLOCK],
     /// Where the corners of each are kept in full: here because a look into the list of triangles is one that no cache
     /// foresees.
-    pub corners: [[u32; 3]; BLOCK],
+    pub corners: [Corners; BLOCK],
 }
 
 impl Triangles {
@@ -79,7 +109,7 @@ impl Triangles {
         edge1: [[0.0; BLOCK]; 3],
         edge2: [[0.0; BLOCK]; 3],
         ids: [NONE; BLOCK],
-        corners: [[0; 3]; BLOCK],
+        corners: [Corners::ELSEWHERE; BLOCK],
     };
 
     /// Puts a triangle into a lane.
@@ -276,6 +306,29 @@ mod tests {
     fn random() -> impl FnMut() -> f64 {
         let mut next = crate::accel::random(5);
         move || 2.0 * next() - 1.0
+    }
+
+    #[test]
+    fn numbers_of_corners_come_back_or_are_looked_up_and_a_block_fills_its_lines() {
+        assert_eq!(size_of::<Triangles>(), 3 * 64);
+        let most = (1 << Corners::BITS) - 1;
+        for corners in [
+            [0; 3],
+            [most; 3],
+            [1, most, 0],
+            [most, 0, 7],
+            [12_345, 678, most - 9],
+        ] {
+            assert_eq!(Corners::new(corners).get(), Some(corners));
+        }
+        for corners in [
+            [most + 1, 0, 0],
+            [0, most + 1, 0],
+            [0, 0, u32::MAX],
+            [u32::MAX; 3],
+        ] {
+            assert_eq!(Corners::new(corners).get(), None);
+        }
     }
 
     /// Rays at triangles of every size, most of them close to an edge, at scales from 1e-18 to 1e18.

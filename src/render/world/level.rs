@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::{csg::Solid, query::Probe};
 use crate::{
-    accel::{Bvh, Cuboids, Spheres, Triangles, prefetch},
+    accel::{Bvh, Corners, Cuboids, Spheres, Triangles, prefetch},
     math::{Bounds3, DAffine3, DMat3, DVec3, Ray},
     scene::{AnimatedTransform, GroupId, MeshId, TriangleId},
     shape::{Cuboid, Shape, Sphere},
@@ -214,6 +214,15 @@ impl Level<'_> {
     #[inline]
     pub(super) fn corners(&self, triangle: u32) -> [DVec3; 3] {
         self.corners_of(triangle).map(|corner| *corner)
+    }
+
+    /// The numbers of a triangle's corners, of which a block says this.
+    #[inline(always)]
+    pub(super) fn corner_numbers(&self, triangle: u32, corners: Corners) -> Option<[u32; 3]> {
+        match corners.get() {
+            None => self.triangles.get(triangle as usize).copied(),
+            known => known,
+        }
     }
 
     /// Asks for the memory of a triangle's corners before they are needed.

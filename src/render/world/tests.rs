@@ -200,13 +200,13 @@ fn triangles_that_were_cut_are_found_from_everywhere() {
         let triangles: Vec<[DVec3; 3]> = (0..60 + 4 * round)
             .map(|i| {
                 let (a, b, c) = (vector(1.0), vector(1.0), vector(1.0));
-                let corners = match i % 4 {
-                    0 => [a, b, c],
+                let corners = match i % 16 {
+                    0 | 1 => [a, b, c],
                     // A sliver.
-                    1 => [a, b, b + (c - b) * [1e-3, 1e-9, 1e-14][i / 4 % 3]],
+                    2 => [a, b, b + (c - b) * [1e-3, 1e-9, 1e-14][i / 16 % 3]],
                     // Nearly at right angles to an axis.
-                    2 => [a, b, c].map(|p| DVec3::new(p.x, a.y + p.y * [0.0, 1e-15, 1e-7][i / 4 % 3], p.z)),
-                    // Small, so that there is something to tell apart.
+                    3 => [a, b, c].map(|p| DVec3::new(p.x, a.y + p.y * [0.0, 1e-15, 1e-7][i / 16 % 3], p.z)),
+                    // Small, as most are, so that there is something to tell apart and cuts are worth their memory.
                     _ => [a, a + b * 0.03, a + c * 0.03],
                 };
                 corners.map(|p| (p + offset) * scale)

@@ -302,7 +302,9 @@ impl<'t, 'a, 's, 'p, const ANY: bool> LevelSearch<'t, 'a, 's, 'p, ANY> {
                 *bound = bound.min(t_most[lane]);
                 least = t_least[lane];
             }
-            let corners = block.corners[lane];
+            let Some(corners) = self.exact.level.corner_numbers(index, block.corners[lane]) else {
+                continue;
+            };
             self.wait(
                 Waiting {
                     index,
@@ -338,7 +340,10 @@ impl<'t, 'a, 's, 'p, const ANY: bool> LevelSearch<'t, 'a, 's, 'p, ANY> {
             return true;
         }
         let ray = TriangleRay::new(self.exact.ray);
-        lanes_of(possible).any(|lane| self.exact.triangle(&ray, ids[lane], block.corners[lane]))
+        lanes_of(possible).any(|lane| {
+            let corners = self.exact.level.corner_numbers(ids[lane], block.corners[lane]);
+            corners.is_some_and(|corners| self.exact.triangle(&ray, ids[lane], corners))
+        })
     }
 
     /// Decides which of the waiting triangles and boxes is hit first, the last found first: it is the nearest, but for

@@ -275,3 +275,31 @@ fn other_instructions_pass_the_same_tests() {
         assert!(String::from_utf8_lossy(&run.stdout).contains("extremes::the_tree_finds"));
     }
 }
+
+/// The numbers of its last vertices are too large to stand in blocks.
+#[test]
+fn a_mesh_of_very_many_vertices_is_hit_at_its_first_and_last_triangle() {
+    let count = (1 << 21) + 2;
+    let corner = |x: f64, k: u32| DVec3::new(x + f64::from(k % 2), f64::from(k / 2), 0.0);
+    let mut positions: Vec<DVec3> = (0..3).map(|k| corner(0.0, k)).collect();
+    positions.resize(count as usize - 3, DVec3::ZERO);
+    positions.extend((0..3).map(|k| corner(5.0, k)));
+    let triangles = vec![[0, 1, 2], [0, 2, count - 1], [count - 3, count - 2, count - 1]];
+    let mut b = Builder::new();
+    let mesh = Mesh::new("many", positions, triangles).unwrap();
+    b.mesh(&std::sync::Arc::new(mesh)).unwrap();
+    let scene = b.finish().value;
+    let world = World::compile(&scene).unwrap();
+    for (x, number) in [(0.25, Some(0)), (5.25, Some(2)), (9.0, None)] {
+        let probe = Probe::from_space(Ray::new(DVec3::new(x, 0.25, 3.0), DVec3::NEG_Z));
+        let hit = world.nearest(&probe, f64::INFINITY);
+        assert_eq!(hit.map(|hit| hit.number), number);
+        assert_eq!(bits(hit), bits(world.nearest_brute(&probe, f64::INFINITY)));
+        let expected = if number.is_some() {
+            Blocker::Opaque
+        } else {
+            Blocker::None
+        };
+        assert_eq!(world.blocker(&probe, f64::INFINITY), expected);
+    }
+}
