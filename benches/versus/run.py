@@ -61,11 +61,15 @@ def run(command, **options):
 def programs(parts):
     """The benchmark programs, built, and the release binary where a part is about pictures."""
     say("building")
-    if set(parts) - {"embree", "builds", "packets"}:
+    of_rays, of_scenes = {"embree", "builds", "packets"}, {"povray"}
+    if set(parts) - of_rays:
         subprocess.run(["cargo", "build", "--release", "--quiet"], cwd=ROOT, check=True)
-    command = ["cargo", "bench", "--no-run", "--bench", "rays", "--bench", "scene", "--message-format=json"]
-    output = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout
     found = {"rtscript": TARGET / "release" / "rtscript"}
+    benches = [name for name, of in (("rays", of_rays), ("scene", of_scenes)) if of & set(parts)]
+    if not benches:
+        return found
+    command = ["cargo", "bench", "--no-run", *(f"--bench={name}" for name in benches), "--message-format=json"]
+    output = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout
     for line in output.decode().splitlines():
         message = json.loads(line)
         if message.get("executable") and "bench" in message["target"]["kind"]:
