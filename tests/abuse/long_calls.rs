@@ -210,10 +210,9 @@ fn a_host_that_wants_to_stop_does_not_wait_for_a_call_to_end() {
     assert!(begun.elapsed() < Duration::from_secs(2), "{:?}", begun.elapsed());
     assert!(!awake.load(Ordering::Relaxed), "the call was waited for");
     assert_eq!(error.kind(), ErrorKind::Cancelled);
+    // With a place where the wish was seen before the call began.
     assert!(
-        error
-            .to_string()
-            .starts_with("a.rhai: error: the run was stopped"),
+        error.to_string().contains("error: the run was stopped"),
         "{error}"
     );
 }
