@@ -73,6 +73,20 @@ struct File {
     run: u64,
 }
 
+impl File {
+    /// A file as it is now, which nobody has read.
+    fn now(path: &Path) -> Self {
+        Self {
+            stamp: Stamp::of(path),
+            content: None,
+            asked: Instant::now(),
+            is_sure: false,
+            is_another: false,
+            run: 0,
+        }
+    }
+}
+
 /// The files of the runs so far.
 #[derive(Debug, Default)]
 pub(super) struct Files {
@@ -85,21 +99,24 @@ pub(super) struct Files {
 }
 
 impl Files {
-    /// A run begins, which will see all changes up to now.
+    /// A run begins, which will see all changes up to now, also of files that it has not asked for yet.
     pub(super) fn begin(&mut self) {
         self.run += 1;
         self.changed = false;
+        for (path, file) in &mut self.files {
+            let run = file.run;
+            *file = File {
+                run,
+                ..File::now(path)
+            };
+        }
     }
 
     /// A file is about to be read, whether it is there or not.
     pub(super) fn asked(&mut self, path: &Path) {
         let file = File {
-            stamp: Stamp::of(path),
-            content: None,
-            asked: Instant::now(),
-            is_sure: false,
-            is_another: false,
             run: self.run,
+            ..File::now(path)
         };
         if let Some(known) = self.files.get_mut(path) {
             // Read twice in a run, it must be the same for both.
@@ -280,6 +297,23 @@ mod tests {
         fs::remove_file(&a).unwrap();
         assert!(is_changed(&mut files));
         assert!(files.settle(|| false));
+    }
+
+    #[test]
+    fn a_run_is_not_cut_by_a_change_that_led_to_it() {
+        let folder = Folder::new("begin");
+        let (a, b) = (folder.file("a", "one"), folder.0.join("b"));
+        let mut files = Files::default();
+        read_all(&mut files, &[&a, &b]);
+        folder.file("b", "at last");
+        assert!(is_changed(&mut files));
+        files.begin();
+        // Before the run has come to the file, and after.
+        assert!(!is_changed(&mut files));
+        files.asked(&b);
+        assert!(!is_changed(&mut files));
+        folder.file("b", "again");
+        assert!(is_changed(&mut files));
     }
 
     #[test]
