@@ -159,6 +159,18 @@ def write_rays(driver, name):
         run([driver, WORK / f"{name}.rtsm", WORK, "--write-rays", "--reps", "1"])
 
 
+def rates_of(command):
+    """What a program prints of a mesh: its triangles, and of each set of rays the rate and the hits."""
+    triangles, sets = 0, {}
+    for line in run(command)[0].splitlines():
+        what, value, detail, count = line.split(",")
+        if what == "build":
+            triangles = int(count)
+        else:
+            sets[what] = float(value), int(detail)
+    return triangles, sets
+
+
 def embree(found, rounds):
     driver, names = embree_driver(), make_meshes()
     rates, counts, triangles = {}, {}, {}
@@ -172,13 +184,10 @@ def embree(found, rounds):
                 ("rtscript", [found["rays"], mesh, WORK]),
                 ("robust", [driver, mesh, WORK, "--robust"]),
             ):
-                for line in run([*command, "--reps", "2"])[0].splitlines():
-                    what, value, detail, count = line.split(",")
-                    if what == "build":
-                        triangles[name] = int(count)
-                    else:
-                        rates.setdefault((name, who, what), []).append(float(value))
-                        counts[name, who, what] = int(detail)
+                triangles[name], sets = rates_of([*command, "--reps", "2"])
+                for key, (rate, hits) in sets.items():
+                    rates.setdefault((name, who, key), []).append(rate)
+                    counts[name, who, key] = hits
     rate = medians(rates)
     for name in names:
         for key, _ in SETS:
@@ -207,13 +216,10 @@ def packets(found, rounds):
             say(f"round {turn + 1} of {rounds}: packets, {name}")
             mesh = WORK / f"{name}.rtsm"
             write_rays(driver, name)
-            for line in run([found["rays"], mesh, WORK, "--packets", "--reps", "3"])[0].splitlines():
-                what, value, detail, count = line.split(",")
-                if what == "build":
-                    triangles[name] = int(count)
-                else:
-                    rates.setdefault((name, what), []).append(float(value))
-                    counts[name, what] = int(detail)
+            triangles[name], measured = rates_of([found["rays"], mesh, WORK, "--packets", "--reps", "3"])
+            for key, (rate, hits) in measured.items():
+                rates.setdefault((name, key), []).append(rate)
+                counts[name, key] = hits
     rate = medians(rates)
     for name in names:
         for key, _ in sets:
