@@ -384,18 +384,18 @@ mod tests {
         let mut next = random();
         let (mut hits, mut certain, mut dropped) = (0, 0, 0);
         for round in 0..cases(100_000) {
-            let scale = [1.0, 1e-6, 1e6, 1e12][round % 4];
+            let scale = [1.0, 1e-6, 1e6, 1e12, 1e-12, 1e-16, 1e-19, 1e-22][round % 8];
             let mut vector = |k: f64| DVec3::new(next(), next(), next()) * k;
             let center = vector(scale);
             let origin = vector(3.0 * scale);
-            let radius = scale * [0.5, 1e-3, 1e-7][round / 4 % 3];
+            let radius = scale * [0.5, 1e-3, 1e-7][round / 8 % 3];
             // Half of them graze.
             let towards = center - origin;
             let side = towards.cross(vector(1.0)).normalize();
             let aim = center
                 + side
                     * radius
-                    * if round % 2 == 0 {
+                    * if round / 24 % 2 == 0 {
                         1.0
                     } else {
                         1.3 * vector(1.0).x.abs()
