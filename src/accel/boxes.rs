@@ -168,6 +168,8 @@ impl Child {
     pub(super) const LEAF_MAX: usize = 4;
     /// Most blocks or places in a tree.
     pub(super) const PLACES_MAX: usize = Self::FIRST as usize;
+    /// The first node, from which all others are reached.
+    pub const ROOT: Self = Self(0);
     /// In an empty lane.
     pub(super) const NOTHING: Self = Self(u32::MAX);
 

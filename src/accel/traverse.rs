@@ -67,8 +67,14 @@ impl<V: Visitor, const ANY: bool> Task for Walk<'_, V, ANY> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
-        self.bvh
-            .traverse_with::<_, ANY>(lanes, self.ray, self.t_near, self.bound, self.visitor);
+        self.bvh.traverse_with::<_, ANY>(
+            lanes,
+            Child::ROOT,
+            self.ray,
+            self.t_near,
+            self.bound,
+            self.visitor,
+        );
     }
 }
 
@@ -109,11 +115,12 @@ impl Bvh {
         });
     }
 
-    /// As [`Bvh::traverse`], with the instructions at hand.
+    /// As [`Bvh::traverse`], with the instructions at hand, of what is below `from`.
     #[inline(always)]
     pub fn traverse_with<L: Lanes, const ANY: bool>(
         &self,
         lanes: L,
+        from: Child,
         ray: &RayBox,
         t_near: f32,
         mut bound: f32,
@@ -133,7 +140,7 @@ impl Bvh {
         let ask_for = |child: Child| prefetch_child(child, node_memory, block_memory);
         let Stack(stack) = &mut Stack([const { MaybeUninit::uninit() }; STACK]);
         let mut top = 0usize;
-        let mut current = Child(0);
+        let mut current = from;
         loop {
             while !current.is_leaf() {
                 // SAFETY: node indices come from the builder, which makes each child's index that of a node.

@@ -10,6 +10,7 @@
 //! Kensler, Knoll and Parker, "Ray tracing animated scenes using coherent grid traversal", 2006, for the pyramid.)
 
 mod leaves;
+mod pending;
 #[cfg(test)]
 mod tests;
 mod traverse;

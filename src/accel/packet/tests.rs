@@ -4,7 +4,7 @@
 #![allow(unsafe_code)]
 
 use super::{
-    super::{BLOCK, Box32, Bvh, Cuboids, Kinds, NONE, Primitive, Spheres, Triangles, cases},
+    super::{BLOCK, Box32, Bvh, Child, Cuboids, Kinds, NONE, Primitive, Spheres, Triangles, cases},
     DONE, Decide, PACKET, Place, RayPacket, Search, rays,
     wide::{Plain, Wide},
 };
@@ -89,6 +89,8 @@ struct Exact<'a, const ANY: bool> {
     things: &'a Things,
     rays: &'a [Ray],
     best: Vec<f64>,
+    /// Rays that went on by themselves.
+    alone: usize,
 }
 
 impl<const ANY: bool> Exact<'_, ANY> {
@@ -133,6 +135,13 @@ impl<const ANY: bool> Decide for Exact<'_, ANY> {
         }
     }
 
+    fn alone(&mut self, ray: usize, _: Child, _: f32) -> f32 {
+        self.alone += 1;
+        let all = 0..self.things.count() as u32;
+        all.map(|index| self.ask(ray, index))
+            .fold(f32::INFINITY, f32::min)
+    }
+
     fn ends(&self, _: u32) -> bool {
         ANY
     }
@@ -167,7 +176,7 @@ fn search<const ANY: bool>(place: &Place<'_>, extent: f64, exact: &mut Exact<'_,
 #[test]
 fn packets_find_what_their_rays_hit() {
     let mut next = super::super::random(3);
-    let mut hits = 0;
+    let (mut hits, mut alone) = (0, [0; 2]);
     for round in 0..cases(200) {
         // Enough for lists of triangles that overflow, and for a tree of several levels.
         let things = Things::at_random([1, 9, cases(30)][round % 3], &mut next);
@@ -230,19 +239,28 @@ fn packets_find_what_their_rays_hit() {
             things,
             rays,
             best: best.clone(),
+            alone: 0,
         };
         if search(&place, extent, &mut one).is_none() {
             continue;
         }
         assert_eq!(one.best, nearest, "round {round}");
-        let mut any = Exact::<true> { things, rays, best };
+        let mut any = Exact::<true> {
+            things,
+            rays,
+            best,
+            alone: 0,
+        };
         let done = search(&place, extent, &mut any).expect("the same rays went together");
         for (i, t) in nearest.iter().enumerate() {
             assert_eq!(done >> i & 1 == 1, *t < f64::INFINITY, "round {round}, ray {i}");
             hits += usize::from(*t < f64::INFINITY);
         }
+        alone[0] += one.alone;
+        alone[1] += any.alone;
     }
     assert!(hits > cases(1000) / 10, "{hits}");
+    assert!(alone.into_iter().all(|n| n > cases(200) / 10), "{alone:?}");
 }
 
 /// What comes of all operations on registers of rays, with numbers for which nothing is rounded: bits, for NaN and -0.

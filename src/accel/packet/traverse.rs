@@ -9,6 +9,7 @@ use super::wide::Avx2;
 use super::{
     DONE, PACKET, ROUNDING, RayPacket, Row, Search, Sign,
     leaves::Seen,
+    pending::Pending,
     wide::{Plain, Wide},
 };
 use crate::{
@@ -37,6 +38,8 @@ pub trait Decide {
     /// Rays, one bit for each, may hit a box or a primitive of another kind. The answers go to
     /// [`RayPacket::lower_bound`].
     fn other(&mut self, rays: u64, index: u32, packet: &mut RayPacket);
+    /// A ray may hit what is below a node, and hardly another ray does; nothing beyond `bound` counts.
+    fn alone(&mut self, ray: usize, below: Child, bound: f32) -> f32;
     /// Whether a triangle or sphere that is certainly hit, a primitive of this number, ends the search of whoever hits it.
     fn ends(&self, id: u32) -> bool;
 }
@@ -77,15 +80,8 @@ impl Place<'_> {
     }
 }
 
-/// Triangles a ray may hit before f64 is asked, besides the nearest that is certain.
-const PENDING: usize = 4;
-
-/// What waits for a decision in f64.
-struct Pending {
-    /// Triangles, with a lower bound of t; as many as `count` says.
-    items: [[MaybeUninit<(u32, f32)>; PENDING]; PACKET],
-    count: [u8; PACKET],
-}
+/// As many shadow rays go on by themselves from a node that no others enter, and as many others of one register.
+const ALONE: [u32; 2] = [8, 2];
 
 /// As in `accel/traverse.rs`.
 const STACK: usize = 7 * (48 + 27 + 1);
@@ -167,10 +163,7 @@ impl RayPacket {
     #[inline(always)]
     fn walk<W: Wide, const ANY: bool>(&mut self, w: W, place: &Place<'_>, decide: &mut impl Decide) {
         let nodes = &place.bvh.nodes[..];
-        let mut pending = Pending {
-            items: [const { [const { MaybeUninit::uninit() }; PENDING] }; PACKET],
-            count: [0; PACKET],
-        };
+        let mut pending = Pending::nothing();
         self.nearest_low = [f32::INFINITY; PACKET];
         let mut stack: [MaybeUninit<Waiting>; STACK] = [const { MaybeUninit::uninit() }; STACK];
         let mut top = 0usize;
@@ -186,7 +179,7 @@ impl RayPacket {
                 (u64::MAX, current.groups)
             } else {
                 let inner = !current.child.is_leaf();
-                self.enter(w, nodes, current.place, inner, current.groups)
+                self.enter::<_, ANY>(w, nodes, current.place, inner, current.groups)
             };
             if current.child.is_leaf() {
                 if active != 0 {
@@ -195,6 +188,15 @@ impl RayPacket {
                     if ANY && farthest == DONE {
                         return;
                     }
+                }
+            } else if active != 0 && Self::go_alone::<ANY>(active, groups) {
+                for ray in rays(active) {
+                    let bound = decide.alone(ray, current.child, self.bound[ray]);
+                    self.lower_bound(ray, bound);
+                }
+                farthest = self.farthest(w);
+                if ANY && farthest == DONE {
+                    return;
                 }
             } else if active != 0 {
                 let index = current.child.0;
@@ -288,10 +290,29 @@ impl RayPacket {
         w.sub(w.load(&node.planes[axis + 3], 0), w.splat(self.origin_down[axis]))
     }
 
-    /// Which rays of the `groups` enter a child's box before their bound, and which groups they are in. For an inner node
-    /// it is enough where the first and the last group enter: then the others are likely to as well, and stay.
+    /// Whether the rays are so few that each is done sooner by itself.
     #[inline(always)]
-    fn enter<W: Wide>(&self, w: W, nodes: &[Node], place: u32, inner: bool, groups: u32) -> (u64, u32) {
+    fn go_alone<const ANY: bool>(active: u64, groups: u32) -> bool {
+        let [of_shadow, of_one_register] = ALONE;
+        if ANY {
+            active.count_ones() <= of_shadow
+        } else {
+            groups.is_power_of_two() && active.count_ones() <= of_one_register
+        }
+    }
+
+    /// Which rays of the `groups` enter a child's box before their bound, and which groups they are in. For an inner node
+    /// it is enough where the first and the last group enter, but for shadow rays, of which many are done already: then the
+    /// others are likely to as well, and stay.
+    #[inline(always)]
+    fn enter<W: Wide, const ANY: bool>(
+        &self,
+        w: W,
+        nodes: &[Node],
+        place: u32,
+        inner: bool,
+        groups: u32,
+    ) -> (u64, u32) {
         // SAFETY: a place is made of a node's index.
         let node = unsafe { nodes.get_unchecked((place >> 3) as usize) };
         let lane = place as usize & 7;
@@ -309,11 +330,11 @@ impl RayPacket {
             far: w.splat3(far),
             mixed,
         };
-        if inner && groups != 0 {
+        if !ANY && inner && groups != 0 {
             let (first, last) = (groups.trailing_zeros(), 31 - groups.leading_zeros());
             let enters = self.enter_group(w, &slab, first as usize);
             if enters != 0 && (first == last || self.enter_group(w, &slab, last as usize) != 0) {
-                return (enters, groups);
+                return (enters << (first as usize * W::LANES), groups);
             }
         }
         let (mut active, mut entered, mut rest) = (0, 0, groups);
@@ -431,72 +452,6 @@ impl RayPacket {
                 }
             }
         }
-    }
-
-    /// Notes a triangle that a ray may hit.
-    #[inline(always)]
-    fn add_pending(
-        &mut self,
-        ray: usize,
-        id: u32,
-        lowest: f32,
-        pending: &mut Pending,
-        decide: &mut impl Decide,
-    ) {
-        let ray = ray & (PACKET - 1);
-        let mut count = usize::from(pending.count[ray]);
-        if count == PENDING {
-            let (ids, left) = self.sift(ray, pending);
-            if left > 0 {
-                self.lower_bound(ray, decide.triangles(ray, &ids[..left]));
-            }
-            count = 0;
-        }
-        pending.items[ray][count & (PENDING - 1)].write((id, lowest));
-        pending.count[ray] = count as u8 + 1;
-    }
-
-    /// Takes a ray's triangles that may still count out of the list.
-    #[inline(always)]
-    fn sift(&self, ray: usize, pending: &mut Pending) -> ([u32; PENDING], usize) {
-        let (mut ids, mut left) = ([NONE; PENDING], 0);
-        for item in &pending.items[ray][..usize::from(pending.count[ray])] {
-            // SAFETY: `count` of them have been written.
-            let (id, lowest) = unsafe { item.assume_init() };
-            if lowest <= self.bound[ray] {
-                ids[left] = id;
-                left += 1;
-            }
-        }
-        pending.count[ray] = 0;
-        (ids, left)
-    }
-
-    /// Decides what all rays may have hit.
-    #[inline(always)]
-    fn decide_pending(&mut self, pending: &mut Pending, decide: &mut impl Decide) {
-        const ROOM: usize = PACKET + PENDING + 1;
-        let mut pairs = [(0, NONE); ROOM];
-        let mut count = 0;
-        for ray in 0..self.len {
-            let low = self.nearest_low[ray];
-            if low < f32::INFINITY && low <= self.bound[ray] {
-                pairs[count] = (ray as u8, self.nearest_id[ray].to_bits());
-                count += 1;
-            }
-            if pending.count[ray] != 0 {
-                let (ids, left) = self.sift(ray, pending);
-                for id in &ids[..left] {
-                    pairs[count] = (ray as u8, *id);
-                    count += 1;
-                }
-            }
-            if count >= PACKET {
-                decide.last(&pairs[..count], self);
-                count = 0;
-            }
-        }
-        decide.last(&pairs[..count], self);
     }
 }
 

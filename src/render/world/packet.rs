@@ -8,7 +8,7 @@ use super::{
     trace::above,
 };
 use crate::{
-    accel::{BEFORE_END, DONE, Decide, Ends, NONE, PACKET, Place, RayPacket, Search, rays},
+    accel::{BEFORE_END, Child, DONE, Decide, Ends, NONE, PACKET, Place, RayPacket, Search, rays},
     math::{DVec3, Ray, max_abs},
     shape::{
         triangle::TriangleRay,
@@ -275,6 +275,10 @@ impl<const ANY: bool> Decide for Decider<'_, '_, '_, ANY> {
             let bound = self.ask(ray, |exact| exact.any(index));
             packet.lower_bound(ray, bound);
         }
+    }
+
+    fn alone(&mut self, ray: usize, below: Child, bound: f32) -> f32 {
+        self.ask(ray, |exact| exact.below(below, bound))
     }
 
     #[inline(always)]

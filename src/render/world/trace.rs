@@ -114,28 +114,46 @@ impl World<'_> {
         if level.unbounded.iter().any(|&index| exact.any(index)) {
             return true;
         }
-        accel::run(LevelTask(&mut exact))
+        exact.below(Child::ROOT, f32::INFINITY)
+    }
+}
+
+impl<const ANY: bool> Exact<'_, '_, '_, ANY> {
+    /// Searches what the level's tree has below `from`, where nothing beyond `bound` counts. True where that ended the
+    /// search.
+    #[inline]
+    pub(super) fn below(&mut self, from: Child, bound: f32) -> bool {
+        accel::run(LevelTask {
+            exact: self,
+            from,
+            bound,
+        })
     }
 }
 
 /// The search of a level's tree; true where it was stopped. Preparing the ray is part of it, so that what is prepared
 /// stays in registers.
-struct LevelTask<'t, 'a, 's, 'p, const ANY: bool>(&'t mut Exact<'a, 's, 'p, ANY>);
+struct LevelTask<'t, 'a, 's, 'p, const ANY: bool> {
+    exact: &'t mut Exact<'a, 's, 'p, ANY>,
+    from: Child,
+    bound: f32,
+}
 
 impl<const ANY: bool> Task for LevelTask<'_, '_, '_, '_, ANY> {
     type Output = bool;
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) -> bool {
-        let Self(exact) = self;
+        let Self { exact, from, bound } = self;
         let level = exact.level;
         let ray32 = Ray32::new(exact.ray);
         let ray_box = RayBox::new(&ray32, level.bvh.extent());
         let mut search = LevelSearch::new(exact, &ray32);
-        let Range { possible, bound, .. } = search.range;
+        let possible = search.range.possible;
+        let bound = search.range.bound.min(bound);
         level
             .bvh
-            .traverse_with::<_, ANY>(lanes, &ray_box, possible, bound, &mut search);
+            .traverse_with::<_, ANY>(lanes, from, &ray_box, possible, bound, &mut search);
         if !ANY {
             search.decide();
         }
