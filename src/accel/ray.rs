@@ -194,6 +194,9 @@ pub struct RayBlock {
 }
 
 impl RayBlock {
+    /// `slack_t` of a unit of M.
+    const SLACK_T: f32 = 20.0 * power(-24);
+
     /// For a level without blocks.
     pub const UNUSED: Self = Self {
         origin: [0.0; 4],
@@ -221,7 +224,7 @@ impl RayBlock {
             origin: ray.origin.to_array(),
             dir: ray.dir.to_array(),
             slack_edge: 22.0 * power(-24) * m * d,
-            slack_t: 20.0 * power(-24) * m,
+            slack_t: Self::SLACK_T * m,
             slack_det: 10.0 * power(-24) * d,
             slack_least: power(-120) * (m + d + 1.0),
         }
@@ -275,7 +278,8 @@ impl RaySphere {
     pub fn new(ray: &RayBlock) -> Self {
         let [x, y, z, _] = ray.dir;
         let inverse_dd = 1.0 / (x * x + y * y + z * z);
-        let usual = (power(-80)..power(80)).contains(&inverse_dd) && ray.slack_t > 20.0 * power(-24 - 50);
+        let usual =
+            (power(-80)..power(80)).contains(&inverse_dd) && ray.slack_t > RayBlock::SLACK_T * power(-50);
         let slack = if usual { 3.3 * ray.slack_t } else { f32::INFINITY };
         Self {
             inverse_dd,

@@ -178,8 +178,9 @@ impl RayPacket {
             let (active, groups) = if current.place == u32::MAX {
                 (u64::MAX, current.groups)
             } else {
-                let inner = !current.child.is_leaf();
-                self.enter::<_, ANY>(w, nodes, current.place, inner, current.groups)
+                // Of shadow rays many are done already, and how few are left decides whether they go alone.
+                let roughly = !ANY && !current.child.is_leaf();
+                self.enter(w, nodes, current.place, roughly, current.groups)
             };
             if current.child.is_leaf() {
                 if active != 0 {
@@ -301,18 +302,10 @@ impl RayPacket {
         }
     }
 
-    /// Which rays of the `groups` enter a child's box before their bound, and which groups they are in. For an inner node
-    /// it is enough where the first and the last group enter, but for shadow rays, of which many are done already: then the
-    /// others are likely to as well, and stay.
+    /// Which rays of the `groups` enter a child's box before their bound, and which groups they are in. `roughly` it is
+    /// enough where the first and the last group enter: then the others are likely to as well, and stay.
     #[inline(always)]
-    fn enter<W: Wide, const ANY: bool>(
-        &self,
-        w: W,
-        nodes: &[Node],
-        place: u32,
-        inner: bool,
-        groups: u32,
-    ) -> (u64, u32) {
+    fn enter<W: Wide>(&self, w: W, nodes: &[Node], place: u32, roughly: bool, groups: u32) -> (u64, u32) {
         // SAFETY: a place is made of a node's index.
         let node = unsafe { nodes.get_unchecked((place >> 3) as usize) };
         let lane = place as usize & 7;
@@ -330,7 +323,7 @@ impl RayPacket {
             far: w.splat3(far),
             mixed,
         };
-        if !ANY && inner && groups != 0 {
+        if roughly && groups != 0 {
             let (first, last) = (groups.trailing_zeros(), 31 - groups.leading_zeros());
             let enters = self.enter_group(w, &slab, first as usize);
             if enters != 0 && (first == last || self.enter_group(w, &slab, last as usize) != 0) {
