@@ -40,6 +40,39 @@ fn square(b: &mut Builder, half: f64) {
     b.triangle([p, r, s], None).unwrap();
 }
 
+/// Two mirrors that face each other, the camera between them: each shows light of its own and a quarter of the other.
+fn between_mirrors(depth: u32, least: Option<f64>) -> f64 {
+    let mut b = dark(1, 1, 0.5);
+    b.max_depth(depth).unwrap();
+    for least in least {
+        b.min_weight(least).unwrap();
+    }
+    let m = b.material_mut();
+    (m.emission, m.reflection) = (color(1.0), Some(color(0.25)));
+    (m.diffuse, m.specular) = (Term::BLACK, Term::BLACK);
+    for z in [-1.0, 1.0] {
+        b.push_transform().unwrap();
+        b.translate(DVec3::new(0.0, 0.0, z)).unwrap();
+        square(&mut b, 5.0);
+        b.pop_transform().unwrap();
+    }
+    center(&picture(&b.finish().value)).x
+}
+
+#[test]
+fn a_mirrors_light_is_followed_while_its_weight_is_the_least_or_more() {
+    // The sum of the first n terms of a geometric series of quarters, exact in binary.
+    let series = |n: i32| (1.0 - 0.25f64.powi(n)) / 0.75;
+    let bounces_to = |least| between_mirrors(20, least);
+    // 0.25^3 is 1/64 itself, which is followed.
+    assert_eq!(bounces_to(Some(1.0 / 64.0)), series(4));
+    assert_eq!(bounces_to(Some(1.0 / 63.0)), series(3));
+    assert_eq!(bounces_to(Some(1.0)), 1.0);
+    assert_eq!(bounces_to(None), series(11), "by default to 2^-20");
+    assert_eq!(bounces_to(Some(1e-300)), series(21), "as deep as maxDepth");
+    assert_eq!(between_mirrors(2, Some(1e-300)), series(3));
+}
+
 #[test]
 fn a_spheres_silhouette_is_the_cone_of_its_tangents() {
     let mut b = dark(401, 401, 5.0);

@@ -155,7 +155,10 @@ fn settings(bytes: &mut Bytes<'_>, b: &mut Builder) -> Result<(), SceneError> {
     match bytes.below(7) {
         0 => b.size(u32::from(bytes.byte()), u32::from(bytes.byte())),
         1 => b.samples(u32::from(bytes.byte() % 8)),
-        2 => b.max_depth(u32::from(bytes.byte() % 8)),
+        2 => match bytes.byte() {
+            depth @ 0..128 => b.max_depth(u32::from(depth % 8)),
+            _ => b.min_weight(bytes.number()),
+        },
         3 => b.background(bytes.color()),
         4 => {
             b.encoding(bytes.one_of(&[Encoding::Raw, Encoding::Srgb]));

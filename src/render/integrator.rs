@@ -81,10 +81,6 @@ struct Pending {
 #[derive(Debug, Default)]
 pub(super) struct Stack(Vec<Pending>);
 
-/// Branches whose weight is below this in every channel are not followed: with the tree's 2^depth rays this is
-/// what ends it between two mirrors of glass, and nothing of an 8-bit picture.
-pub(super) const LEAST_WEIGHT: f64 = 1.0 / (1 << 20) as f64;
-
 /// Points of one sample between two looks at the interrupt.
 const POINTS_PER_POLL: u64 = 64;
 
@@ -241,7 +237,7 @@ pub(super) fn radiance<'w, 'a, O: Observer>(
                 match &polished {
                     None => observer.deepest(world, at, ray, weight),
                     Some(polished) if O::WATCHES => {
-                        polished.split(weight, &path, &mut AtTheEnd(observer));
+                        polished.split(world, weight, &path, &mut AtTheEnd(observer));
                     }
                     Some(_) => {}
                 }
@@ -249,7 +245,7 @@ pub(super) fn radiance<'w, 'a, O: Observer>(
             }
             let (mirrored, refracted) = match &polished {
                 None => split(world, at, ray, weight, observer),
-                Some(polished) => polished.split(weight, &path, observer),
+                Some(polished) => polished.split(world, weight, &path, observer),
             };
             counts.reflected += u64::from(mirrored.is_some());
             counts.refracted += u64::from(refracted.is_some());
@@ -310,6 +306,21 @@ pub(super) struct Branch {
     pub(super) inside: Option<Inside>,
 }
 
+/// The weight of a ray that a surface sends `share` on with, of the `weight` that the surface has; `None` where it is
+/// too small to be followed.
+pub(super) fn followed<O: Observer>(
+    world: &World<'_>,
+    kind: RayKind,
+    share: Color,
+    weight: Color,
+    observer: &mut O,
+) -> Option<Color> {
+    let weight = weight * share;
+    let is_followed = weight.max_element() >= world.scene.settings.min_weight;
+    observer.branch(kind, share, weight, is_followed);
+    is_followed.then_some(weight)
+}
+
 /// The mirrored and the refracted ray at a surface that `weight` of what it sends out reaches the camera from,
 /// those that are worth following. Total internal reflection adds Kt to the mirror.
 pub(super) fn split<O: Observer>(
@@ -322,12 +333,6 @@ pub(super) fn split<O: Observer>(
     let n = at.shading_normal;
     let mut kr = world.term(&at.material.mirror(), at);
     let kt = world.term(&at.material.transmission, at);
-    let followed = |kind, share: Color, observer: &mut O| {
-        let weight = weight * share;
-        let is_followed = weight.max_element() >= LEAST_WEIGHT;
-        observer.branch(kind, share, weight, is_followed);
-        is_followed.then_some(weight)
-    };
     let mut through = None;
     if kt != Color::ZERO {
         let eta = if at.from_front {
@@ -337,7 +342,7 @@ pub(super) fn split<O: Observer>(
         };
         match refract(ray.dir, n, eta) {
             Some(dir) => {
-                through = followed(RayKind::Refracted, kt, observer).map(|weight| Branch {
+                through = followed(world, RayKind::Refracted, kt, weight, observer).map(|weight| Branch {
                     dir,
                     weight,
                     inside: None,
@@ -349,7 +354,7 @@ pub(super) fn split<O: Observer>(
             }
         }
     }
-    let mirror = followed(RayKind::Reflected, kr, observer).map(|weight| {
+    let mirror = followed(world, RayKind::Reflected, kr, weight, observer).map(|weight| {
         let mirrored = ray.dir - n * (2.0 * ray.dir.dot(n));
         Branch {
             dir: mirrored / mirrored.length(),

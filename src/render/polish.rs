@@ -6,7 +6,7 @@ mod relief;
 
 use super::{
     bounces::compensation,
-    integrator::{Branch, LEAST_WEIGHT, refract},
+    integrator::{Branch, followed, refract},
     microfacet::{Ggx, frame, fresnel_dielectric, fresnel_metal, oren_nayar},
     observe::{Observer, RayKind},
     path::Path,
@@ -316,6 +316,7 @@ impl<'s> Polished<'s> {
     #[inline(never)]
     pub(super) fn split<O: Observer>(
         &self,
+        world: &World<'_>,
         weight: Color,
         path: &Path<'_>,
         observer: &mut O,
@@ -335,12 +336,6 @@ impl<'s> Polished<'s> {
             kr *= boost;
         }
         let kt = self.transmission * under_coat;
-        let mut followed = |kind, share: Color, weight: Color| {
-            let weight = weight * share;
-            let is_followed = weight.max_element() >= LEAST_WEIGHT;
-            observer.branch(kind, share, weight, is_followed);
-            is_followed.then_some(weight)
-        };
         let mut through = None;
         let mut totally = None;
         if kt != Color::ZERO {
@@ -359,11 +354,12 @@ impl<'s> Polished<'s> {
                     } else {
                         self.behind
                     };
-                    through = followed(RayKind::Refracted, share, weight).map(|weight| Branch {
-                        dir: self.world(onward),
-                        weight,
-                        inside: Some(inside),
-                    });
+                    through =
+                        followed(world, RayKind::Refracted, share, weight, observer).map(|weight| Branch {
+                            dir: self.world(onward),
+                            weight,
+                            inside: Some(inside),
+                        });
                 }
                 None => {
                     totally = Some(kt);
@@ -391,7 +387,7 @@ impl<'s> Polished<'s> {
                 }
             }
         }
-        let mirror = followed(RayKind::Reflected, share, weight).map(|weight| Branch {
+        let mirror = followed(world, RayKind::Reflected, share, weight, observer).map(|weight| Branch {
             dir,
             weight,
             inside: Some(self.inside),

@@ -7,7 +7,7 @@ use std::{
 
 use super::{
     Encoding, Geometry, Group, Light, LightKind, Material, Mesh, Object, Projection, ROOT_GROUP, Sampling,
-    Scene, Shutter, Term, Texels, Texture,
+    Scene, Settings, Shutter, Term, Texels, Texture,
 };
 use crate::{
     diag::SourceLoc,
@@ -104,6 +104,7 @@ impl Scene {
             c.motion.map(|motion| format!("motion {motion:?}")),
             (c.shutter != Shutter::default())
                 .then(|| format!("shutter {} {}", c.shutter.open, c.shutter.close)),
+            (s.min_weight != Settings::MIN_WEIGHT).then(|| format!("min_weight {}", s.min_weight)),
             (s.sampling != Sampling::default()).then(|| format!("sampler {}", s.sampling.name())),
             (!s.filter.is_pixel()).then(|| format!("filter {} {}", s.filter.kind.name(), s.filter.radius)),
             s.adaptive

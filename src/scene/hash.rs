@@ -105,6 +105,7 @@ impl Digest {
             height,
             samples,
             max_depth,
+            min_weight,
             background,
             encoding,
             seed,
@@ -124,6 +125,9 @@ impl Digest {
             Encoding::Raw => 1,
         });
         self.int(*seed);
+        if *min_weight != Settings::MIN_WEIGHT {
+            self.text(&format!("{min_weight:?}"));
+        }
         if *sampling != Sampling::default() {
             self.text(sampling.name());
         }

@@ -236,6 +236,21 @@ fn mistakes_are_explained() {
 }
 
 #[test]
+fn rays_that_count_for_too_little_are_named_with_the_least_weight() {
+    let scene = "size(16, 12); camera([0, 0, 4], [0, 0, 0], [0, 1, 0], 40); directional([1, 2, 3], [1, 1, 1]);\n\
+         specular([0, 0, 0]); reflection([0.015625, 0, 0]); sphere(0, 0, 0, 1);";
+    let folder = Folder::with(scene);
+    folder.write("coarse.rhai", format!("minWeight(0.03125);\n{scene}"));
+    folder.write("dark.rhai", scene.replace("0.015625", "0.0000001"));
+    let told = |file: &str| told(&folder, &[file, "8,6"]);
+    assert!(told("scene.rhai").contains("reflected 0.015625 0 0, see below"));
+    let coarse = "reflected 0.015625 0 0, not followed: weight 0.015625 0 0 is below minWeight, 0.03125";
+    assert!(told("coarse.rhai").contains(coarse), "{}", told("coarse.rhai"));
+    let dark = "reflected 1e-7 0 0, not followed: weight 1e-7 0 0 is below 2^-20";
+    assert!(told("dark.rhai").contains(dark), "{}", told("dark.rhai"));
+}
+
+#[test]
 fn textures_of_all_terms_are_named_with_what_they_are_there() {
     let folder = Folder::with(
         "size(16, 12);\n\

@@ -1,7 +1,7 @@
 // Glass: 25 balls and 4 boxes above a plane, two lights.
 #version 3.7;
 #include "view.inc"
-// Branches of less weight are not followed: by POV-Ray 1/255 where nothing else is said, by rtscript 2^-20.
+// Branches of less weight are not followed: by POV-Ray 1/255 where nothing else is said.
 #ifndef (Bailout) #declare Bailout = 1 / 255; #end
 global_settings { assumed_gamma 1.0 max_trace_level 8 adc_bailout Bailout }
 View(<0.3, 4.5, 10>, <0, 0.8, 0>, 38)

@@ -12,7 +12,7 @@ use crate::{
         explain::{BranchOutcome, ExplainedBranch, ExplainedHit, ExplainedRay, LightTerm, Obstacle},
         quantize,
     },
-    scene::{Encoding, Object},
+    scene::{Encoding, Object, Settings},
 };
 
 /// What a sample counts for: an equal share of all, or of the channels that its eye shows.
@@ -360,7 +360,13 @@ impl Text<'_> {
         let (kind, share) = (kind(branch.kind), color(branch.share));
         let outcome = match branch.outcome {
             BranchOutcome::Followed(_) => return self.line(indent, format!("{kind} {share}, see below")),
-            BranchOutcome::TooWeak => format!("not followed: weight {} is below 2^-20", color(branch.weight)),
+            BranchOutcome::TooWeak => {
+                let least = match self.answer.scene.settings.min_weight {
+                    Settings::MIN_WEIGHT => "2^-20".to_owned(),
+                    other => format!("minWeight, {}", number(other)),
+                };
+                format!("not followed: weight {} is below {least}", color(branch.weight))
+            }
             BranchOutcome::TooDeep => {
                 let depth = self.answer.scene.settings.max_depth;
                 format!("not followed: maxDepth is {depth}")

@@ -243,7 +243,7 @@ pub struct ExplainedBranch {
 pub enum BranchOutcome {
     /// It is the ray with this index.
     Followed(usize),
-    /// Its weight is below 2^-20 in every channel.
+    /// Its weight is below the scene's `minWeight` in every channel.
     TooWeak,
     /// The path is as deep as the scene's `maxDepth` allows.
     TooDeep,

@@ -134,6 +134,34 @@ impl Builder {
         Ok(())
     }
 
+    /// What a reflected or refracted ray must count for in its pixel to be followed, above 0 and at
+    /// most 1; [`Settings::MIN_WEIGHT`] where nothing is said. 1/255, as POV-Ray has it, saves most rays in glass and changes a
+    /// picture by steps of its 8 bits.
+    ///
+    /// # Errors
+    /// Where `weight` is not above 0 or above 1.
+    ///
+    /// ```
+    /// let mut b = rtscript::Builder::new();
+    /// b.min_weight(1.0 / 255.0)?;
+    /// assert!(b.min_weight(2.0).is_err());
+    /// assert_eq!(b.finish().value.settings.min_weight, 1.0 / 255.0);
+    /// # Ok::<(), rtscript::scene::SceneError>(())
+    /// ```
+    pub fn min_weight(&mut self, weight: f64) -> Result<(), SceneError> {
+        if !(weight > 0.0 && weight <= 1.0) {
+            let what = format!("a ray's least weight must be above 0 and at most 1, not {weight}");
+            return Err(SceneError::new(what).hint(if weight == 0.0 {
+                "1 / 255 is 0, a quotient of whole numbers: write minWeight(1.0 / 255); minWeight(1e-9) follows \
+                 nearly every ray"
+            } else {
+                "minWeight(1.0 / 255) leaves out what an 8-bit picture hardly shows"
+            }));
+        }
+        self.scene.settings.min_weight = weight;
+        Ok(())
+    }
+
     /// What a ray sees that leaves the scene.
     ///
     /// # Errors

@@ -328,6 +328,7 @@ pub fn settings(before: &Scene, after: &Scene) -> Vec<(&'static str, String, Str
             ("size", format!("{} x {}", s.width, s.height)),
             ("samples", s.samples.to_string()),
             ("maxDepth", s.max_depth.to_string()),
+            ("minWeight", Number(s.min_weight).to_string()),
             ("seed", s.seed.cast_signed().to_string()),
             ("background", Vector(s.background).to_string()),
             ("encoding", encoding.to_owned()),

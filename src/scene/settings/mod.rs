@@ -32,6 +32,9 @@ pub struct Settings {
     pub samples: u32,
     /// Secondary bounces: the camera ray plus this many reflected or refracted rays in a row, at most 64.
     pub max_depth: u32,
+    /// Reflected and refracted rays are followed that count for at least this much in the pixel's sample, in one of the
+    /// three channels: above 0 and at most 1.
+    pub min_weight: f64,
     /// Scene-linear light of a ray that leaves the scene.
     pub background: Color,
     /// Linear to 8 bits.
@@ -53,6 +56,9 @@ pub struct Settings {
 impl Settings {
     /// Largest [`Settings::max_depth`].
     pub const MAX_DEPTH: u32 = 64;
+    /// [`Settings::min_weight`] where nothing else is said, 2^-20: with up to 2^depth rays this is what ends them between
+    /// two surfaces of glass, and far below a step of an 8-bit picture.
+    pub const MIN_WEIGHT: f64 = 1.0 / (1 << 20) as f64;
 
     /// The edition by which the scene is built and rendered.
     #[must_use]
@@ -81,6 +87,7 @@ impl Default for Settings {
             height: 480,
             samples: 1,
             max_depth: 5,
+            min_weight: Self::MIN_WEIGHT,
             background: Color::ZERO,
             encoding: Encoding::Srgb,
             seed: 0,

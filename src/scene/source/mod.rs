@@ -24,7 +24,7 @@ pub(in crate::scene) use self::{
     order::{names, own_lights},
 };
 use super::{
-    Attenuation, Encoding, Geometry, Links, MaterialId, MeshId, Object, Sampling, Scene, TextureId,
+    Attenuation, Encoding, Geometry, Links, MaterialId, MeshId, Object, Sampling, Scene, Settings, TextureId,
     literal::{Components, Number, Text},
 };
 use crate::diag::SourceLoc;
@@ -147,6 +147,9 @@ impl Writer<'_> {
         self.call(format_args!("size({}, {});", s.width, s.height))?;
         self.call(format_args!("samples({});", s.samples))?;
         self.call(format_args!("maxDepth({});", s.max_depth))?;
+        if s.min_weight != Settings::MIN_WEIGHT {
+            self.call(format_args!("minWeight({});", Number(s.min_weight)))?;
+        }
         match s.seed.cast_signed() {
             // The one number that has no literal of its own.
             i64::MIN => self.call(format_args!("seed({} - 1);", i64::MIN + 1))?,
