@@ -44,7 +44,7 @@ fn square(b: &mut Builder, half: f64) {
 fn between_mirrors(depth: u32, least: Option<f64>) -> f64 {
     let mut b = dark(1, 1, 0.5);
     b.max_depth(depth).unwrap();
-    for least in least {
+    if let Some(least) = least {
         b.min_weight(least).unwrap();
     }
     let m = b.material_mut();

@@ -84,6 +84,13 @@ pub(super) struct Stack(Vec<Pending>);
 /// Points of one sample between two looks at the interrupt.
 const POINTS_PER_POLL: u64 = 64;
 
+/// The light along every camera ray that meets nothing, where that is the same for all.
+pub(super) fn nothing(world: &World<'_>) -> Option<Color> {
+    // A sum that begins with 0, as that of any path: it is never -0.
+    let background = Color::ZERO + world.scene.settings.background;
+    (world.around.is_none() && background.is_finite()).then_some(background)
+}
+
 /// Light along a camera ray, of which it is known what it meets first.
 pub(super) fn radiance<'w, 'a, O: Observer>(
     world: &World<'w>,

@@ -1,12 +1,15 @@
 //! Which ray each sample of a pixel sends into the scene, and what it counts for.
 
+use std::ops::Range;
+
 use super::{
     filter::Places,
     sampler::{LENS, Sampler, TIME, permuted, stratified},
-    world::{Probe, World},
+    world::{PACKET, Probe, World},
 };
 use crate::{
     color::Color,
+    math::DVec3,
     scene::{Camera, CameraFrame, Eye, Region, Sampling, Settings, Shutter},
 };
 
@@ -97,24 +100,57 @@ impl<'s> Shots<'s> {
         }
     }
 
-    /// The ray of a pixel's sample where [`Shots::is_plain`]; of the pixel in this column and row of the part that is
-    /// rendered.
+    /// The rays of the samples `indices` of each pixel in turn where [`Shots::is_plain`]; of the pixels in these columns
+    /// and rows of the part that is rendered, row by row.
     #[inline(always)]
-    pub(super) fn plain(&self, (x, y): (u32, u32), index: u32) -> (Probe, Sampler) {
-        let (x, y) = (self.corner.0 + x, self.corner.1 + y);
-        let sampler = Sampler::new(self.settings.seed, x, y, index);
+    pub(super) fn plain(
+        &self,
+        (columns, rows): (Range<u32>, Range<u32>),
+        indices: Range<u32>,
+        probes: &mut Vec<Probe>,
+    ) {
+        let (width, samples) = (columns.len(), self.settings.samples);
+        if samples > 1 {
+            for place in rows.flat_map(|y| columns.clone().map(move |x| (x, y))) {
+                probes.extend(indices.clone().map(|index| self.plain_one(place, index)));
+            }
+            return;
+        }
+        // Through the centers of pixels, so that a column has one place across and a row one down.
+        let mut across = [DVec3::ZERO; PACKET];
+        for (across, x) in across.iter_mut().zip(columns) {
+            *across = self.frame.across(f64::from(self.corner.0 + x) + 0.5);
+        }
+        for y in rows {
+            let up = self.frame.up(f64::from(self.corner.1 + y) + 0.5);
+            let ray = |across: &DVec3| Probe::from_space(self.frame.pinhole(*across, up));
+            probes.extend(across.iter().take(width).map(ray));
+        }
+    }
+
+    fn plain_one(&self, pixel: (u32, u32), index: u32) -> Probe {
+        let sampler = self.plain_sampler(pixel, index);
         let (dx, dy) = stratified(index, self.settings.samples, |dimension| sampler.get(dimension));
-        let ray = self.frame.pinhole(f64::from(x) + dx, f64::from(y) + dy);
-        (Probe::from_space(ray), sampler)
+        let (x, y) = (
+            f64::from(self.corner.0 + pixel.0),
+            f64::from(self.corner.1 + pixel.1),
+        );
+        let (across, up) = (self.frame.across(x + dx), self.frame.up(y + dy));
+        Probe::from_space(self.frame.pinhole(across, up))
+    }
+
+    /// The random numbers of a pixel's sample where [`Shots::is_plain`].
+    #[inline(always)]
+    pub(super) fn plain_sampler(&self, (x, y): (u32, u32), index: u32) -> Sampler {
+        Sampler::new(self.settings.seed, self.corner.0 + x, self.corner.1 + y, index)
     }
 
     /// The ray with this number of a pixel, below [`Shots::count`].
     pub(super) fn shot(&self, pixel: (u32, u32), index: u32) -> Shot {
         if self.is_plain {
-            let (probe, sampler) = self.plain(pixel, index);
             return Shot {
-                probe: Some(probe),
-                sampler,
+                probe: Some(self.plain_one(pixel, index)),
+                sampler: self.plain_sampler(pixel, index),
                 weight: Color::ONE,
                 time: 0.0,
             };
@@ -242,10 +278,7 @@ impl Mean {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{
-        math::DVec3,
-        scene::{Adaptive, Filter, FilterKind},
-    };
+    use crate::scene::{Adaptive, Crop, Filter, FilterKind};
 
     #[test]
     fn every_filter_keeps_a_color() {
@@ -290,8 +323,31 @@ mod tests {
         assert!(shots.is_plain && !wide.is_plain);
         let any = |pixel, index| shots.any(pixel, index).probe.unwrap().ray;
         for index in 0..7 {
-            assert_eq!(shots.plain((5, 9), index).0.ray, any((5, 9), index));
+            assert_eq!(shots.plain_one((5, 9), index).ray, any((5, 9), index));
             assert_ne!(wide.shot((5, 9), index).probe.unwrap().ray, any((5, 9), index));
+        }
+    }
+
+    #[test]
+    fn rays_of_a_square_are_those_of_its_pixels() {
+        for samples in [1, 3] {
+            let settings = Settings {
+                samples,
+                crop: Some(Crop::Pixels(Region {
+                    x: 7,
+                    y: 5,
+                    width: 40,
+                    height: 30,
+                })),
+                ..Settings::default()
+            };
+            let shots = Shots::new(&Camera::default(), &settings);
+            let mut probes = Vec::new();
+            shots.plain((2..7, 8..10), 0..samples, &mut probes);
+            let places = (8..10).flat_map(|y| (2..7).map(move |x| (x, y)));
+            let one_by_one = places.flat_map(|place| (0..samples).map(move |index| (place, index)));
+            let one_by_one = one_by_one.map(|(place, index)| shots.any(place, index).probe.unwrap().ray);
+            assert!(probes.iter().map(|probe| probe.ray).eq(one_by_one));
         }
     }
 

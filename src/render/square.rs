@@ -9,7 +9,6 @@ use super::{
     integrator::{self, Counts, Sight, Stack},
     interrupt::Interrupt,
     lighting::Ahead,
-    sampler::Sampler,
     shots::{Mean, Shot, Shots},
     world::{Hit, Moments, PACKET, Probe, World},
 };
@@ -65,55 +64,69 @@ impl<'w> Met<'w> {
 }
 
 impl Square<'_> {
-    /// Calls `visit` with each pixel's place, counted row by row, and the mean of its samples, summed in order.
-    pub(super) fn trace(&self, stack: &mut Stack, counts: &mut Counts, mut visit: impl FnMut(u32, Color)) {
+    /// Calls `visit` with each pixel's column and row in the square, and the mean of its samples, summed in order.
+    pub(super) fn trace(
+        &self,
+        stack: &mut Stack,
+        counts: &mut Counts,
+        mut visit: impl FnMut((u32, u32), Color),
+    ) {
         if !self.shots.is_plain {
             return self.trace_any(stack, counts, &mut visit);
         }
         let samples = self.shots.count();
-        let pixels = self.size.0 * self.size.1;
+        let ((x, y), (columns, rows)) = (self.at, self.size);
+        let pixels = columns * rows;
+        let nothing = integrator::nothing(self.world);
         let mut sums = [Color::ZERO; PACKET];
         let mut met = Met::new(self.world);
+        let mut probes = Vec::with_capacity(PACKET);
         let at_once = (PACKET as u32 / pixels.max(1)).max(1);
         for first in (0..samples).step_by(at_once as usize) {
             let indices = first..samples.min(first + at_once);
-            let count = (indices.end - indices.start) as usize;
-            let (probe, sampler) = self.plain(0, first, count);
-            let (mut probes, mut samplers) = ([probe; PACKET], [sampler; PACKET]);
-            let len = PACKET.min(pixels as usize * count);
-            for i in 1..len {
-                (probes[i], samplers[i]) = self.plain(i, first, count);
-            }
-            let probes = &probes[..len];
-            met.trace(self.world, probes, self.interrupt, counts);
-            for ((probe, sampler), i) in probes.iter().zip(&samplers).zip(0..) {
-                let index = first + (i % count) as u32;
-                if index % SAMPLES_PER_POLL == SAMPLES_PER_POLL - 1 && self.interrupt.poll() {
-                    return;
+            probes.clear();
+            let place = (x..x + columns, y..y + rows);
+            self.shots.plain(place, indices.clone(), &mut probes);
+            met.trace(self.world, &probes, self.interrupt, counts);
+            let mut rays = probes.iter().enumerate();
+            for (place, sum) in self.places().zip(&mut sums) {
+                for (index, (i, probe)) in indices.clone().zip(&mut rays) {
+                    if index % SAMPLES_PER_POLL == SAMPLES_PER_POLL - 1 && self.interrupt.poll() {
+                        return;
+                    }
+                    let first = met.first(i, probe);
+                    if let (None, Some(color)) = (&first.hit, nothing) {
+                        counts.camera += 1;
+                        *sum += color;
+                        continue;
+                    }
+                    *sum += integrator::radiance(
+                        self.world,
+                        first,
+                        self.shots.plain_sampler(place, index),
+                        self.interrupt,
+                        stack,
+                        counts,
+                        &mut (),
+                    );
                 }
-                let first = met.first(i, probe);
-                let light = integrator::radiance(
-                    self.world,
-                    first,
-                    *sampler,
-                    self.interrupt,
-                    stack,
-                    counts,
-                    &mut (),
-                );
-                sums[i / count] += light;
             }
         }
-        for (sum, i) in sums.into_iter().zip(0..pixels) {
-            visit(i, sum / f64::from(samples));
+        for ((x, y), sum) in self.places().zip(sums) {
+            // A quotient by 1 is the number itself.
+            let mean = if samples == 1 {
+                sum
+            } else {
+                sum / f64::from(samples)
+            };
+            visit((x - self.at.0, y - self.at.1), mean);
         }
     }
 
-    /// Ray `i` where each pixel has `count` in turn, from sample `first` on.
-    #[inline(always)]
-    fn plain(&self, i: usize, first: u32, count: usize) -> (Probe, Sampler) {
-        self.shots
-            .plain(self.place((i / count) as u32), first + (i % count) as u32)
+    /// The places of its pixels, row by row.
+    fn places(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
+        let ((x, y), (columns, rows)) = (self.at, self.size);
+        (y..y + rows).flat_map(move |y| (x..x + columns).map(move |x| (x, y)))
     }
 
     /// The place of a pixel of the square.
@@ -125,7 +138,7 @@ impl Square<'_> {
     /// As [`Square::trace`], for cameras and samples of every kind.
     #[cold]
     #[inline(never)]
-    fn trace_any(&self, stack: &mut Stack, counts: &mut Counts, visit: &mut dyn FnMut(u32, Color)) {
+    fn trace_any(&self, stack: &mut Stack, counts: &mut Counts, visit: &mut dyn FnMut((u32, u32), Color)) {
         let pixels = self.size.0 * self.size.1;
         let mut means = [Mean::default(); PACKET];
         let count = self.shots.count();
@@ -134,8 +147,8 @@ impl Square<'_> {
             means[pixel as usize].add(light, weight);
         });
         if is_done {
-            for (mean, i) in means.iter().zip(0..pixels) {
-                visit(i, mean.value());
+            for ((x, y), mean) in self.places().zip(&means) {
+                visit((x - self.at.0, y - self.at.1), mean.value());
             }
         }
     }

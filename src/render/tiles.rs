@@ -77,8 +77,8 @@ pub(super) fn trace(
                         at: (area.x + square.left, area.y + square.top),
                         size: (square.columns, square.rows),
                     }
-                    .trace(stack, own, |i, mean| {
-                        let (x, y) = (square.left + i % square.columns, square.top + i / square.columns);
+                    .trace(stack, own, |(x, y), mean| {
+                        let (x, y) = (square.left + x, square.top + y);
                         pixels[(y * area.columns + x) as usize] = mean.to_array();
                     });
                     if options.rays.is_some() {

@@ -165,14 +165,25 @@ impl CameraFrame {
         self.shot([x, y], Eye::Middle, None)
     }
 
-    /// The ray of a perspective camera without lens and with one eye.
-    #[inline]
+    /// The ray of a perspective camera without lens and with one eye, from what [`CameraFrame::across`] and
+    /// [`CameraFrame::up`] say of its place.
+    #[inline(always)]
     #[must_use]
-    pub(crate) fn pinhole(&self, x: f64, y: f64) -> Ray {
-        let a = self.tan_x * ((x - self.width * 0.5) / (self.width * 0.5));
-        let b = self.tan_y * ((self.height * 0.5 - y) / (self.height * 0.5));
-        let dir = self.u * a + self.v * b - self.w;
+    pub(crate) fn pinhole(&self, across: DVec3, up: DVec3) -> Ray {
+        let dir = across + up - self.w;
         Ray::new(self.eye, dir / dir.length())
+    }
+
+    /// What the place across the picture adds to a direction; the same for a whole column.
+    #[inline(always)]
+    pub(crate) fn across(&self, x: f64) -> DVec3 {
+        self.u * (self.tan_x * ((x - self.width * 0.5) / (self.width * 0.5)))
+    }
+
+    /// What the place down the picture adds to a direction; the same for a whole row.
+    #[inline(always)]
+    pub(crate) fn up(&self, y: f64) -> DVec3 {
+        self.v * (self.tan_y * ((self.height * 0.5 - y) / (self.height * 0.5)))
     }
 
     /// As [`CameraFrame::ray`], for one eye where the picture is that of both, through the point of the lens that two
