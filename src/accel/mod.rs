@@ -25,7 +25,7 @@ pub use boxes::{Box32, Child, LeafKind, round_down, round_up};
 pub use build::{Bvh, Kinds, Leaves, Primitive};
 pub use cuboids::Cuboids;
 pub use lanes::{Exact, Four, Lanes, Mask, Simd, Task, Words, prefetch, run};
-pub use packet::{BEFORE_END, DONE, Decide, Ends, PACKET, Place, RayPacket, Search, rays};
+pub use packet::{BEFORE_END, DONE, Decide, Ends, HasRay, PACKET, Place, RayPacket, Search, rays};
 pub use ray::{Ray32, RayBlock, RayBox, RayCuboid, RaySphere};
 pub use shaft::Shaft;
 pub use traverse::{Control, Visitor};

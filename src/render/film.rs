@@ -212,7 +212,16 @@ impl Image {
         match self.encoding {
             Encoding::Srgb => {
                 let levels = SrgbLevels::get();
-                channels.map(|&v| levels.quantize(v)).collect()
+                let mut bytes = Vec::with_capacity(self.pixels.len() * 3);
+                // Much of many pictures is one color.
+                let mut last = ([0.0; 3], [0; 3]);
+                for pixel in &self.pixels {
+                    if *pixel != last.0 {
+                        last = (*pixel, pixel.map(|v| levels.quantize(v)));
+                    }
+                    bytes.extend(last.1);
+                }
+                bytes
             }
             Encoding::Raw => channels.map(|&v| quantize(v, Encoding::Raw)).collect(),
         }

@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::{
     filter::Places,
     sampler::{LENS, Sampler, TIME, permuted, stratified},
+    square::patches,
     world::{PACKET, Probe, World},
 };
 use crate::{
@@ -100,32 +101,35 @@ impl<'s> Shots<'s> {
         }
     }
 
-    /// The rays of the samples `indices` of each pixel in turn where [`Shots::is_plain`]; of the pixels in these columns
-    /// and rows of the part that is rendered, row by row.
+    /// The rays of the samples `indices` of each pixel in turn where [`Shots::is_plain`]; of a square of pixels at this
+    /// place of the part that is rendered, in the order of its [`patches`].
     #[inline(always)]
     pub(super) fn plain(
         &self,
-        (columns, rows): (Range<u32>, Range<u32>),
+        (x, y): (u32, u32),
+        size: (u32, u32),
         indices: Range<u32>,
         probes: &mut Vec<Probe>,
     ) {
-        let (width, samples) = (columns.len(), self.settings.samples);
-        if samples > 1 {
-            for place in rows.flat_map(|y| columns.clone().map(move |x| (x, y))) {
-                probes.extend(indices.clone().map(|index| self.plain_one(place, index)));
+        if self.settings.samples > 1 {
+            for (i, j) in patches(size) {
+                let one = |index| self.plain_one((x + i, y + j), index);
+                probes.extend(indices.clone().map(one));
             }
             return;
         }
         // Through the centers of pixels, so that a column has one place across and a row one down.
-        let mut across = [DVec3::ZERO; PACKET];
-        for (across, x) in across.iter_mut().zip(columns) {
-            *across = self.frame.across(f64::from(self.corner.0 + x) + 0.5);
+        let (mut across, mut up) = ([DVec3::ZERO; PACKET], [DVec3::ZERO; PACKET]);
+        for (across, i) in across.iter_mut().zip(0..size.0) {
+            *across = self.frame.across(f64::from(self.corner.0 + x + i) + 0.5);
         }
-        for y in rows {
-            let up = self.frame.up(f64::from(self.corner.1 + y) + 0.5);
-            let ray = |across: &DVec3| Probe::from_space(self.frame.pinhole(*across, up));
-            probes.extend(across.iter().take(width).map(ray));
+        for (up, j) in up.iter_mut().zip(0..size.1) {
+            *up = self.frame.up(f64::from(self.corner.1 + y + j) + 0.5);
         }
+        probes.extend(patches(size).map(|(i, j)| {
+            let at = |from: &[DVec3; PACKET], i: u32| from[i as usize % PACKET];
+            Probe::from_space(self.frame.pinhole(at(&across, i), at(&up, j)))
+        }));
     }
 
     fn plain_one(&self, pixel: (u32, u32), index: u32) -> Probe {
@@ -343,8 +347,8 @@ mod tests {
             };
             let shots = Shots::new(&Camera::default(), &settings);
             let mut probes = Vec::new();
-            shots.plain((2..7, 8..10), 0..samples, &mut probes);
-            let places = (8..10).flat_map(|y| (2..7).map(move |x| (x, y)));
+            shots.plain((2, 8), (5, 3), 0..samples, &mut probes);
+            let places = patches((5, 3)).map(|(i, j)| (2 + i, 8 + j));
             let one_by_one = places.flat_map(|place| (0..samples).map(move |index| (place, index)));
             let one_by_one = one_by_one.map(|(place, index)| shots.any(place, index).probe.unwrap().ray);
             assert!(probes.iter().map(|probe| probe.ray).eq(one_by_one));

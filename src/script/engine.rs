@@ -27,7 +27,7 @@ use super::{
     link::Flags,
     modules::Resolver,
     power,
-    session::{self, with_state},
+    session::{self, State, with_state},
     steps,
     table::{Entry, Run, arities, entries},
     value::{Outcome, ScriptError},
@@ -183,16 +183,27 @@ fn invoke(entry: &'static Entry, ctx: &NativeCallContext<'_>, args: &mut [&mut D
     let mut call = Call::new(entry, args);
     let result = match entry.run {
         Run::Pure(run) => run(&mut call),
-        Run::Scene(run) => steps::for_the_scene(
-            || {
-                with_state(|state| {
-                    state.called(ctx.global_runtime_state().source.as_ref(), ctx.call_position())?;
-                    run(&mut call, state)
-                })
-            },
-            |result| matches!(result, Some(Ok(value)) if !is_data(value)),
-        )
-        .unwrap_or_else(|| Err(internal("a scene function outside a run"))),
+        Run::Scene(run) => {
+            let mut other = None;
+            let work = |state: &mut State| {
+                let source = ctx.global_runtime_state().source.as_ref();
+                let result = match state.called(source, ctx.call_position()) {
+                    Ok(()) => run(&mut call, state),
+                    Err(error) => Err(error),
+                };
+                let left = Left::by(&result);
+                if left != Left::Nothing {
+                    other = Some(result);
+                }
+                left
+            };
+            let left =
+                steps::for_the_scene(|| with_state(work), |left| left.is_some_and(Left::is_the_scenes));
+            if left == Some(Left::Nothing) {
+                return Ok(Dynamic::UNIT);
+            }
+            other.unwrap_or_else(|| Err(internal("a scene function outside a run")))
+        }
         Run::Calling(run) => {
             return Caller::new(ctx).run(|caller| {
                 run(&mut call, caller).map_err(|failure| match failure {
@@ -204,6 +215,34 @@ fn invoke(entry: &'static Entry, ctx: &NativeCallContext<'_>, args: &mut [&mut D
         Run::Syntax => Err(internal("a block called as a function")),
     };
     result.map_err(|e| call.as_given(e).raise_in(ctx.call_source(), ctx.call_position()))
+}
+
+/// What a scene function leaves to the script. Most leave nothing, and a value that is none would be copied from frame to
+/// frame half written, which a processor has to wait for each time.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Left {
+    Nothing,
+    /// A value no larger than a handle.
+    Handle,
+    /// A value of any size.
+    Data,
+    Error,
+}
+
+impl Left {
+    fn by(result: &Outcome) -> Self {
+        match result {
+            Ok(value) if value.is_unit() => Self::Nothing,
+            Ok(value) if is_data(value) => Self::Data,
+            Ok(_) => Self::Handle,
+            Err(_) => Self::Error,
+        }
+    }
+
+    /// Whether what is held since is in the scene.
+    fn is_the_scenes(self) -> bool {
+        matches!(self, Self::Nothing | Self::Handle)
+    }
 }
 
 /// Whether a value is as large as the script likes.

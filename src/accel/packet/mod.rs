@@ -93,6 +93,19 @@ struct Pyramid {
     t_most: f32,
 }
 
+/// What a packet takes rays from, wherever they are.
+pub trait HasRay {
+    /// The ray.
+    fn ray(&self) -> &Ray;
+}
+
+impl HasRay for Ray {
+    #[inline(always)]
+    fn ray(&self) -> &Ray {
+        self
+    }
+}
+
 /// What a packet is made for.
 #[derive(Clone, Copy, Debug)]
 pub struct Search<'a> {
@@ -165,16 +178,17 @@ impl RayPacket {
     /// Fills the packet with rays that ask for t up to `bounds`. False where it is not worth it or where numbers
     /// leave the range in which the error bounds hold: one origin, one main direction, sizes within reason.
     #[inline(always)]
-    fn fill<W: Wide>(&mut self, w: W, rays: &[Ray], bounds: &[f32], search: &Search<'_>) -> bool {
+    fn fill<W: Wide>(&mut self, w: W, rays: &[impl HasRay], bounds: &[f32], search: &Search<'_>) -> bool {
         let Some(first) = rays.first() else {
             return false;
         };
         if rays.len() > PACKET || bounds.len() != rays.len() || !(search.t_min >= 0.0) {
             return false;
         }
-        let origin = first.origin;
+        let Ray { origin, dir } = *first.ray();
         let mut together = true;
         for (i, ray) in rays.iter().enumerate() {
+            let ray = ray.ray();
             together &= ray.origin == origin;
             for k in 0..3 {
                 self.dir[k][i] = ray.dir[k] as f32;
@@ -192,7 +206,7 @@ impl RayPacket {
             return false;
         }
         self.len = rays.len();
-        self.span(w, groups, first.dir)
+        self.span(w, groups, dir)
     }
 
     /// Takes note of the origin. False where it or the level is too large or too small.

@@ -7,20 +7,17 @@ use std::mem::MaybeUninit;
 #[cfg(target_arch = "x86_64")]
 use super::wide::Avx2;
 use super::{
-    DONE, PACKET, ROUNDING, RayPacket, Row, Search, Sign,
+    DONE, HasRay, PACKET, ROUNDING, RayPacket, Row, Search, Sign,
     leaves::Seen,
     pending::Pending,
     wide::{Plain, Wide},
 };
-use crate::{
-    accel::{
-        Bvh, Child, LeafKind, NONE,
-        blocks::{BLOCK, Spheres, Triangles},
-        boxes::Node,
-        cuboids::Cuboids,
-        lanes::prefetch,
-    },
-    math::Ray,
+use crate::accel::{
+    Bvh, Child, LeafKind, NONE,
+    blocks::{BLOCK, Spheres, Triangles},
+    boxes::Node,
+    cuboids::Cuboids,
+    lanes::prefetch,
 };
 
 /// Decides in f64 what a packet's rays hit. Each question is answered by the ray's new bound: nothing beyond counts
@@ -110,7 +107,7 @@ impl RayPacket {
     pub fn search<const ANY: bool>(
         &mut self,
         place: &Place<'_>,
-        rays: &[Ray],
+        rays: &[impl HasRay],
         bounds: &[f32],
         search: &Search<'_>,
         decide: &mut impl Decide,
@@ -130,7 +127,7 @@ impl RayPacket {
     unsafe fn search_avx2<const ANY: bool>(
         &mut self,
         place: &Place<'_>,
-        rays: &[Ray],
+        rays: &[impl HasRay],
         bounds: &[f32],
         search: &Search<'_>,
         decide: &mut impl Decide,
@@ -145,7 +142,7 @@ impl RayPacket {
         &mut self,
         w: W,
         place: &Place<'_>,
-        rays: &[Ray],
+        rays: &[impl HasRay],
         bounds: &[f32],
         search: &Search<'_>,
         decide: &mut impl Decide,

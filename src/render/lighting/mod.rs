@@ -101,7 +101,7 @@ pub(super) fn direct<O: Observer>(
                 position,
                 attenuation,
             } => {
-                if let Some((is_lit, way)) = path.known.of(index) {
+                if let Some((is_lit, &way)) = path.known.of(index) {
                     let color = light.color * attenuation.at(way.1);
                     lit.add_known(&mut sum, color, way, is_lit, counts, observer);
                     continue;

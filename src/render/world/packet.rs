@@ -8,7 +8,7 @@ use super::{
     trace::above,
 };
 use crate::{
-    accel::{BEFORE_END, Child, DONE, Decide, Ends, NONE, PACKET, Place, RayPacket, Search, rays},
+    accel::{BEFORE_END, Child, DONE, Decide, Ends, HasRay, NONE, PACKET, Place, RayPacket, Search, rays},
     math::{DVec3, Ray, max_abs},
     shape::{
         triangle::TriangleRay,
@@ -134,7 +134,6 @@ impl World<'_> {
             return false;
         }
         let n = probes.len().min(t_max.len()).min(PACKET);
-        let own: [Ray; PACKET] = std::array::from_fn(|i| probes[i.min(n - 1)].ray);
         let mut bounds = [DONE; PACKET];
         for (bound, t_max) in bounds.iter_mut().zip(t_max) {
             *bound = above(*t_max);
@@ -146,7 +145,7 @@ impl World<'_> {
             ends: None,
         };
         let bundle = Bundle {
-            seen: &own[..n],
+            seen: &probes[..n],
             bounds: &bounds[..n],
             search,
         };
@@ -161,7 +160,7 @@ impl World<'_> {
         root: &Level<'_>,
         probes: &'p [Probe],
         t_max: &[f64],
-        bundle: &Bundle<'_>,
+        bundle: &Bundle<'_, impl HasRay>,
         mut answer: impl FnMut(usize, &Query<'p>, bool),
     ) -> bool {
         let n = probes.len();
@@ -195,8 +194,8 @@ impl World<'_> {
 }
 
 /// What the tree is searched with for several probes: rays from one point, and how far they look.
-struct Bundle<'a> {
-    seen: &'a [Ray],
+struct Bundle<'a, R> {
+    seen: &'a [R],
     bounds: &'a [f32],
     search: Search<'a>,
 }

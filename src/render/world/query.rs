@@ -1,6 +1,7 @@
 //! A question put to the world, and its answer.
 
 use crate::{
+    accel::HasRay,
     math::{Ray, max_abs},
     shape::{Crossings, triangle::TriangleHit},
 };
@@ -18,6 +19,13 @@ pub(crate) struct Probe {
     t_min_self: f64,
     /// Number of the primitive the ray starts on, or [`Probe::NOWHERE`].
     pub(super) start: u64,
+}
+
+impl HasRay for Probe {
+    #[inline(always)]
+    fn ray(&self) -> &Ray {
+        &self.ray
+    }
 }
 
 impl Probe {
