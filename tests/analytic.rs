@@ -62,7 +62,11 @@ fn between_mirrors(depth: u32, least: Option<f64>) -> f64 {
 #[test]
 fn a_mirrors_light_is_followed_while_its_weight_is_the_least_or_more() {
     // The sum of the first n terms of a geometric series of quarters, exact in binary.
-    let series = |n: i32| (1.0 - 0.25f64.powi(n)) / 0.75;
+    let series = |n: u32| {
+        (0..n)
+            .fold((0.0, 1.0), |(sum, term), _| (sum + term, term * 0.25))
+            .0
+    };
     let bounces_to = |least| between_mirrors(20, least);
     // 0.25^3 is 1/64 itself, which is followed.
     assert_eq!(bounces_to(Some(1.0 / 64.0)), series(4));

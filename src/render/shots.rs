@@ -127,7 +127,7 @@ impl<'s> Shots<'s> {
             *up = self.frame.up(f64::from(self.corner.1 + y + j) + 0.5);
         }
         probes.extend(patches(size).map(|(i, j)| {
-            let at = |from: &[DVec3; PACKET], i: u32| from[i as usize % PACKET];
+            let at = |from: &[DVec3; PACKET], i: u32| from.get(i as usize).copied().unwrap_or_default();
             Probe::from_space(self.frame.pinhole(at(&across, i), at(&up, j)))
         }));
     }

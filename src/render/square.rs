@@ -63,18 +63,21 @@ impl<'w> Met<'w> {
     }
 }
 
-/// The columns and rows of a square, one for each pixel: of a whole one in patches of 4 x 2, as many as a register has
-/// rays, since these meet fewer boxes than a line of 8; of others row by row.
+/// The columns and rows of a square, one for each pixel in the order in which their rays are traced.
 #[inline(always)]
 pub(super) fn patches((columns, rows): (u32, u32)) -> impl Iterator<Item = (u32, u32)> {
-    let in_patches = columns == 8 && rows.is_multiple_of(2);
-    (0..columns * rows).map(move |i| {
-        if in_patches {
-            // The bits of i from the lowest: two of x, one of y, one of x, the others of y.
-            return (i & 3 | i >> 1 & 4, i >> 2 & 1 | i >> 4 << 1);
-        }
-        (i % columns, i / columns)
-    })
+    (0..columns * rows).map(move |i| patch(i, (columns, rows)))
+}
+
+/// The column and row of pixel `i` of a square: of a whole one in patches of 4 x 2, as many as a register has rays, since
+/// these meet fewer boxes than a line of 8; of others row by row.
+#[inline(always)]
+fn patch(i: u32, (columns, rows): (u32, u32)) -> (u32, u32) {
+    if columns == 8 && rows.is_multiple_of(2) {
+        // The bits of i from the lowest: two of x, one of y, one of x, the others of y.
+        return (i & 3 | i >> 1 & 4, i >> 2 & 1 | i >> 4 << 1);
+    }
+    (i % columns, i / columns)
 }
 
 impl Square<'_> {
@@ -124,27 +127,27 @@ impl Square<'_> {
                 }
             }
         }
-        for ((x, y), sum) in self.places().zip(sums) {
+        for (place, sum) in patches(self.size).zip(sums) {
             // A quotient by 1 is the number itself.
             let mean = if samples == 1 {
                 sum
             } else {
                 sum / f64::from(samples)
             };
-            visit((x - self.at.0, y - self.at.1), mean);
+            visit(place, mean);
         }
     }
 
     /// The places of its pixels, in the order in which their rays are traced.
-    fn places(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
-        let (x, y) = self.at;
-        patches(self.size).map(move |(i, j)| (x + i, y + j))
+    fn places(&self) -> impl Iterator<Item = (u32, u32)> {
+        (0..self.size.0 * self.size.1).map(|pixel| self.place(pixel))
     }
 
-    /// The place of a pixel of the square.
+    /// The place of one of them.
     #[inline(always)]
     fn place(&self, pixel: u32) -> (u32, u32) {
-        (self.at.0 + pixel % self.size.0, self.at.1 + pixel / self.size.0)
+        let (x, y) = patch(pixel, self.size);
+        (self.at.0 + x, self.at.1 + y)
     }
 
     /// As [`Square::trace`], for cameras and samples of every kind.
@@ -159,8 +162,8 @@ impl Square<'_> {
             means[pixel as usize].add(light, weight);
         });
         if is_done {
-            for ((x, y), mean) in self.places().zip(&means) {
-                visit((x - self.at.0, y - self.at.1), mean.value());
+            for (place, mean) in patches(self.size).zip(&means) {
+                visit(place, mean.value());
             }
         }
     }
