@@ -208,7 +208,6 @@ impl Image {
     /// The picture in 8 bits per channel: `width * height * 3` bytes RGB, rows from the top.
     #[must_use]
     pub fn rgb8(&self) -> Vec<u8> {
-        let channels = self.pixels.as_flattened().iter();
         match self.encoding {
             Encoding::Srgb => {
                 let levels = SrgbLevels::get();
@@ -223,7 +222,10 @@ impl Image {
                 }
                 bytes
             }
-            Encoding::Raw => channels.map(|&v| quantize(v, Encoding::Raw)).collect(),
+            Encoding::Raw => {
+                let channels = self.pixels.as_flattened().iter();
+                channels.map(|&v| quantize(v, Encoding::Raw)).collect()
+            }
         }
     }
 

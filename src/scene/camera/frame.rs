@@ -177,13 +177,25 @@ impl CameraFrame {
     /// What the place across the picture adds to a direction; the same for a whole column.
     #[inline(always)]
     pub(crate) fn across(&self, x: f64) -> DVec3 {
-        self.u * (self.tan_x * ((x - self.width * 0.5) / (self.width * 0.5)))
+        self.u * self.a(x)
     }
 
     /// What the place down the picture adds to a direction; the same for a whole row.
     #[inline(always)]
     pub(crate) fn up(&self, y: f64) -> DVec3 {
-        self.v * (self.tan_y * ((self.height * 0.5 - y) / (self.height * 0.5)))
+        self.v * self.b(y)
+    }
+
+    /// How far the place across is from the middle, in the projection's unit: at its edges `tan_x`.
+    #[inline(always)]
+    fn a(&self, x: f64) -> f64 {
+        self.tan_x * ((x - self.width * 0.5) / (self.width * 0.5))
+    }
+
+    /// How far the place down is above the middle: at its edges `tan_y`.
+    #[inline(always)]
+    fn b(&self, y: f64) -> f64 {
+        self.tan_y * ((self.height * 0.5 - y) / (self.height * 0.5))
     }
 
     /// As [`CameraFrame::ray`], for one eye where the picture is that of both, through the point of the lens that two
@@ -191,8 +203,7 @@ impl CameraFrame {
     #[must_use]
     pub(crate) fn shot(&self, [x, y]: [f64; 2], eye: Eye, aperture: Option<[f64; 2]>) -> Option<Ray> {
         let (x, y, eye) = self.view_of(x, y, eye);
-        let a = self.tan_x * ((x - self.width * 0.5) / (self.width * 0.5));
-        let b = self.tan_y * ((self.height * 0.5 - y) / (self.height * 0.5));
+        let (a, b) = (self.a(x), self.b(y));
         let (mut origin, mut right) = (self.eye, self.u);
         // Before it is made a unit vector; where the projection is flat, it reaches the plane at distance 1.
         let mut dir = match self.projection {

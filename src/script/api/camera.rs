@@ -39,7 +39,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         .takes(&[&[number("weight", "share of a pixel", "above 0, at most 1")]])
         .doc("Reflected and refracted rays are followed that count for at least this much in their pixel, in one of the three channels. Default: 2^-20, which no picture shows. 1.0 / 255, POV-Ray's adc_bailout, renders glass several times faster, and may change pixels by a few steps of 255.")
         .usage("minWeight(1.0 / 255)")
-        .example("minWeight(1.0 / 255);\nmaxDepth(12);\nbackground(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ncamera([0, 1.5, 6], [0, 0, 0], [0, 1, 0], 35);\ndiffuse(checker(\"#fff\", \"#2a6f97\", 1));\ngroup { translate(0, -1, 0); plane(); }\ndiffuse(0, 0, 0);\nspecular(0.6, 0.6, 0.6);\nshininess(200);\nreflection(0.08, 0.08, 0.08);\ntransmission(0.9, 0.9, 0.9);\nior(1.5);\nfor x in -1..2 { sphere(x * 1.9, 0, 0, 0.9); }")
+        .example("minWeight(1.0 / 255);\nmaxDepth(12);\nsamples(9);\nbackground(\"#cfe3f5\");\nambient(0.04, 0.05, 0.07);\ndirectional([2, 4, 3], [0.9, 0.9, 0.9]);\ncamera([0, 5, 6.5], [0, 0, 0], [0, 1, 0], 30);\ndiffuse(checker(\"#f3efe6\", \"#2a6f97\", 1));\ngroup { translate(0, -1, 0); plane(); }\ndiffuse(0, 0, 0);\nspecular(0.6, 0.6, 0.6);\nshininess(200);\nreflection(0.08, 0.08, 0.08);\ntransmission(0.9, 0.9, 0.9);\nior(1.5);\nfor x in -1..2 { sphere(x * 1.9, 0, 0, 0.9); }")
         .also(&["adcBailout", "adc_bailout", "bailout", "cutoff"]),
     Entry::scene(Group::Camera, "background", background)
         .takes(&[&[color("color", "what a ray sees that leaves the scene")]])
