@@ -134,7 +134,7 @@ impl TriangleRay {
         // Weights first, t from them: their product with z would leave the range of f64 long before they do.
         let per_det = 1.0 / det;
         let (mut wa, mut u, mut v) = (wa * per_det, wb * per_det, wc * per_det);
-        if det.abs() <= SLIVER * ((cx * by).abs() + (ax * cy).abs() + (bx * ay).abs()) {
+        if is_sliver(det, [cx * by, ax * cy, bx * ay]) {
             [wa, u, v] = along_the_longest_edge([(ax, ay), (bx, by), (cx, cy)]);
         }
         let t = (wa * az + u * bz + v * cz) * self.t_per_z;
@@ -168,8 +168,7 @@ impl TriangleRay {
         }
         let per_det = 1.0 / det;
         let (mut wa, mut u, mut v) = (wa * per_det, wb * per_det, wc * per_det);
-        let products = (c.0 * b.1).abs() + (a.0 * c.1).abs() + (b.0 * a.1).abs();
-        if det.abs() <= SLIVER * products {
+        if is_sliver(det, [c.0 * b.1, a.0 * c.1, b.0 * a.1]) {
             [wa, u, v] = along_the_longest_edge([a, b, c]);
         }
         let t = (wa * az + u * bz + v * cz) * self.t_per_z;
@@ -181,11 +180,18 @@ impl TriangleRay {
 /// the edge functions still have their signs, but how they compare is rounding.
 const SLIVER: f64 = 1e-10;
 
+/// Whether the ray sees a triangle as a line: its area is nothing beside the products, one of each edge function.
+#[inline(always)]
+pub(super) fn is_sliver(det: f64, products: [f64; 3]) -> bool {
+    let [a, b, c] = products.map(f64::abs);
+    det.abs() <= SLIVER * (a + b + c)
+}
+
 /// The weights of the corners of a triangle that the ray sees as a line: those of the point of its longest edge that is next
 /// to the ray. Any other split would be a hit away from the ray, where a tree that looks at the triangle's box finds none.
 #[cold]
 #[inline(never)]
-fn along_the_longest_edge([a, b, c]: [(f64, f64); 3]) -> [f64; 3] {
+pub(super) fn along_the_longest_edge([a, b, c]: [(f64, f64); 3]) -> [f64; 3] {
     let along = |p: (f64, f64), q: (f64, f64)| {
         let (x, y) = (q.0 - p.0, q.1 - p.1);
         let length_squared = x * x + y * y;

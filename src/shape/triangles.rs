@@ -5,7 +5,7 @@
 
 #![allow(clippy::indexing_slicing, reason = "lanes are counted by constants")]
 
-use super::triangle::{TriangleHit, TriangleRay, spans};
+use super::triangle::{TriangleHit, TriangleRay, along_the_longest_edge, is_sliver, spans};
 use crate::math::{DVec3, Ray};
 
 /// Most rays at once.
@@ -51,6 +51,7 @@ impl ManyTriangles {
         let [dx, dy, dz] = &self.dir;
         let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = &self.corners;
         let [ts, us, vs] = &mut self.hits;
+        let mut slivers = [false; MANY];
         // Whole registers: what lies beyond is tested too, and not looked at.
         for i in 0..self.len.next_multiple_of(4).min(MANY) {
             let (shear_x, shear_y, t_per_z) = (dx[i] / dz[i], dy[i] / dz[i], 1.0 / dz[i]);
@@ -70,10 +71,15 @@ impl ManyTriangles {
             let on_edge = (wa == 0.0) | (wb == 0.0) | (wc == 0.0);
             let within = spans(ax, bx, cx) & spans(ay, by, cy);
             let met = (front | back) & (det != 0.0) & (!on_edge | within);
+            slivers[i] = met & is_sliver(det, [cx * by, ax * cy, bx * ay]);
             ts[i] = if met { t } else { f64::NAN };
             us[i] = u;
             vs[i] = v;
         }
+        if slivers.contains(&true) {
+            self.again(&slivers);
+        }
+        let [ts, us, vs] = &self.hits;
         let hits = ts.iter().zip(us.iter()).zip(vs.iter());
         for (i, ((&t, &u), &v)) in hits.take(self.len).enumerate() {
             if t.is_finite() {
@@ -81,6 +87,23 @@ impl ManyTriangles {
             }
         }
         self.len = 0;
+    }
+
+    /// Weights and t where a triangle is met and seen as a line.
+    #[cold]
+    #[inline(never)]
+    fn again(&mut self, slivers: &[bool; MANY]) {
+        for i in (0..MANY).filter(|i| slivers[*i]) {
+            let [dx, dy, dz] = [0, 1, 2].map(|k| self.dir[k][i]);
+            let corners = self.corners.map(|corner| [0, 1, 2].map(|k| corner[k][i]));
+            let across = corners.map(|[x, y, z]| (x - dx / dz * z, y - dy / dz * z));
+            let [wa, u, v] = along_the_longest_edge(across);
+            let [az, bz, cz] = corners.map(|[_, _, z]| z);
+            let t = (wa * az + u * bz + v * cz) * (1.0 / dz);
+            for (row, value) in self.hits.iter_mut().zip([t, u, v]) {
+                row[i] = value;
+            }
+        }
     }
 }
 
@@ -107,6 +130,11 @@ mod tests {
                     };
                     if i % 17 == 0 {
                         corners[2] = corners[1];
+                    }
+                    // Now and then as good as seen from its edge.
+                    if i % 7 == 6 {
+                        let along = (aim - origin) * rng.unit() + rng.in_cube() * scale * 1e-12;
+                        corners[2] = corners[0] + (corners[1] - corners[0]) * rng.unit() + along;
                     }
                     let mut dir = (aim - origin) * rng.magnitude(-3.0, 3.0);
                     if i % 11 == 0 {
