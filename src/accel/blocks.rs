@@ -14,7 +14,7 @@
 //! - The determinant e1.p: 8 u D L^2. The numerator of the distance e2.q: 10 by q, 8 by the rest: 18 u M L^2.
 //!
 //! Terms of u^2, and what f64 may differ from the exact value, are covered by taking a tenth more and better:
-//! [`RayBlock`] has 22 for 20, 20 for 18, 10 for 8.
+//! [`RayBlock`] has 22 for 20 and for 18, 10 for 8.
 
 use super::{
     four::F4,
@@ -58,7 +58,8 @@ impl Candidates {
     };
 }
 
-/// The numbers of a triangle's three corners in half of the room that they take elsewhere, if they are small enough.
+/// Where a triangle's three corners are: in the block itself, or by their numbers, which take half of the room here that
+/// they take elsewhere if they are small enough.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Corners(u64);
 
@@ -67,6 +68,8 @@ impl Corners {
     const BITS: u32 = 21;
     /// Numbers that do not fit are to be looked up. No three that fit have the top bit.
     pub const ELSEWHERE: Self = Self(u64::MAX);
+    /// What the block has in f32 are the corners themselves, to the bit: [`Triangles::exact`].
+    pub const HERE: Self = Self(u64::MAX - 1);
 
     /// Those numbers, or [`Corners::ELSEWHERE`].
     #[must_use]
@@ -84,7 +87,43 @@ impl Corners {
     pub fn get(self) -> Option<[u32; 3]> {
         let Self(bits) = self;
         let number = |at: u32| (bits >> (at * Self::BITS)) as u32 & ((1 << Self::BITS) - 1);
-        (self != Self::ELSEWHERE).then(|| [number(0), number(1), number(2)])
+        (bits < Self::HERE.0).then(|| [number(0), number(1), number(2)])
+    }
+}
+
+/// A triangle by its place among all blocks of a level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Spot(u32);
+
+impl Spot {
+    /// No triangle's.
+    pub const NOWHERE: Self = Self(u32::MAX);
+
+    /// A lane of a block, of which there are no more than [`Child`](super::Child) can refer to.
+    #[inline(always)]
+    #[must_use]
+    pub fn new(block: usize, lane: usize) -> Self {
+        Self((block * BLOCK + lane) as u32)
+    }
+
+    /// The block and the lane.
+    #[inline(always)]
+    #[must_use]
+    pub fn get(self) -> (usize, usize) {
+        let Self(at) = self;
+        (at as usize / BLOCK, at as usize % BLOCK)
+    }
+
+    /// As a number of the same bits, to wait in a register of f32.
+    #[inline(always)]
+    pub(super) fn to_f32(self) -> f32 {
+        f32::from_bits(self.0)
+    }
+
+    /// The opposite of [`Spot::to_f32`].
+    #[inline(always)]
+    pub(super) fn from_f32(bits: f32) -> Self {
+        Self(bits.to_bits())
     }
 }
 
@@ -97,8 +136,8 @@ pub struct Triangles {
     pub(super) edge2: [[f32; BLOCK]; 3],
     /// Triangle indices; [`NONE`] in empty lanes, which alone has the top bit.
     pub ids: [u32; BLOCK],
-    /// Where the corners of each are kept in full: here because a look into the list of triangles is one that no cache
-    /// foresees.
+    /// Where the corners of each are kept in full: here because a look into the list of triangles, or of vertices, is one
+    /// that no cache foresees.
     pub corners: [Corners; BLOCK],
 }
 
@@ -112,8 +151,9 @@ impl Triangles {
         corners: [Corners::ELSEWHERE; BLOCK],
     };
 
-    /// Puts a triangle into a lane.
-    pub fn set(&mut self, lane: usize, id: u32, [a, b, c]: [DVec3; 3]) {
+    /// Puts a triangle into a lane, whose corners have these numbers where they are kept in full.
+    pub fn set(&mut self, lane: usize, id: u32, corners: [DVec3; 3], numbers: [u32; 3]) {
+        let [a, b, c] = corners;
         let (e1, e2) = (b - a, c - a);
         for k in 0..3 {
             self.corner[k][lane] = a[k] as f32;
@@ -121,6 +161,29 @@ impl Triangles {
             self.edge2[k][lane] = e2[k] as f32;
         }
         self.ids[lane] = id;
+        let bits = |corners: [[f64; 3]; 3]| corners.map(|corner| corner.map(f64::to_bits));
+        let are_here = bits(self.exact(lane, [0, 1, 2])) == bits(corners.map(|corner| corner.to_array()));
+        self.corners[lane] = if are_here {
+            Corners::HERE
+        } else {
+            Corners::new(numbers)
+        };
+    }
+
+    /// The corners of a triangle whose corners are [`Corners::HERE`], with their axes in this order. Vertices mostly come
+    /// from files with numbers of f32, and the difference of two that are near to each other is one again.
+    #[inline(always)]
+    #[must_use]
+    pub fn exact(&self, lane: usize, axes: [usize; 3]) -> [[f64; 3]; 3] {
+        let lane = lane & (BLOCK - 1);
+        let [x, y, z] = axes;
+        let of = |a: &[[f32; BLOCK]; 3]| [a[x][lane], a[y][lane], a[z][lane]].map(f64::from);
+        let (a, e1, e2) = (of(&self.corner), of(&self.edge1), of(&self.edge2));
+        [
+            a,
+            [a[0] + e1[0], a[1] + e1[1], a[2] + e1[2]],
+            [a[0] + e2[0], a[1] + e2[1], a[2] + e2[2]],
+        ]
     }
 
     /// L of each triangle, no less: the factor is for the roundings of the edges and of the sums.
@@ -147,10 +210,10 @@ impl Triangles {
         let q = cross(lanes, s, e1);
         let v = dot(lanes, d, q).flip(sign);
         let extent = Self::sizes(e1, e2);
-        let extent2 = extent.mul(extent);
-        let least_slack = F4::splat(ray.slack_least);
-        let slack = lanes.mul_add4(F4::splat(ray.slack_edge), extent, least_slack);
-        let slack_det = lanes.mul_add4(F4::splat(ray.slack_det), extent2, least_slack);
+        let (least_slack, unit) = (F4::splat(ray.slack_least), F4::splat(ray.slack));
+        let along = extent.mul(F4::splat(ray.long));
+        let slack = lanes.mul_add4(unit, along, least_slack);
+        let slack_det = lanes.mul_add4(F4::splat(RayBlock::SLACK_DET), extent.mul(along), least_slack);
         let slack_w = slack.add(slack).add(slack_det);
         let uv = u.add(v);
         let least = u.min(v);
@@ -167,7 +230,7 @@ impl Triangles {
             return Candidates::NONE;
         }
         let t = dot(lanes, e2, q).flip(sign);
-        let slack_t = lanes.mul_add4(F4::splat(ray.slack_t), extent2, least_slack);
+        let slack_t = lanes.mul_add4(unit, extent.mul(extent), least_slack);
         let (det_least, det_most) = (det.sub(slack_det), det.add(slack_det));
         let (t_least, t_most) = (t.sub(slack_t), t.add(slack_t));
         let before = t_most.below(F4::splat(range.possible).mul(det_most));
@@ -355,7 +418,7 @@ mod tests {
             };
             let ray = Ray::new(origin, (aim - origin) * (1.0 + weights.y));
             let mut block = Triangles::EMPTY;
-            block.set(2, 7, corners);
+            block.set(2, 7, corners, [0, 1, 2]);
             let extent = corners.iter().map(|c| max_abs(*c)).fold(0.0, f64::max);
             let prepared = RayBlock::new(&Ray32::new(&ray), extent as f32);
             let found = block.candidates(Portable, &prepared, EVERYWHERE);

@@ -20,7 +20,7 @@ mod ray;
 mod shaft;
 mod traverse;
 
-pub use blocks::{BLOCK, Candidates, Corners, NONE, Range, Spheres, Triangles};
+pub use blocks::{BLOCK, Candidates, Corners, NONE, Range, Spheres, Spot, Triangles};
 pub use boxes::{Box32, Child, LeafKind, round_down, round_up};
 pub use build::{Bvh, Kinds, Leaves, Primitive};
 pub use cuboids::Cuboids;

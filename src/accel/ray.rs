@@ -90,7 +90,7 @@ fn larger(a: f32, b: f32) -> f32 {
 /// direction, but stay negative, which is all that is asked of them.
 #[derive(Clone, Copy, Debug)]
 pub struct RayBox {
-    /// Plane arrays to take for entry and exit, by axis.
+    /// Planes to take for entry and exit, by axis: bytes from the first of a node's.
     pub(super) near: [usize; 3],
     pub(super) far: [usize; 3],
     /// r, and r stretched.
@@ -101,14 +101,17 @@ pub struct RayBox {
     pub(super) offset_far: [f32; 4],
 }
 
+/// Bytes of the planes of eight boxes.
+const PLANE: usize = size_of::<[f32; 8]>();
+
 /// Planes of entry and exit, by axis, for the signs of a direction.
 const PLANES: [[[usize; 3]; 2]; 8] = {
-    let mut planes = [[[0, 1, 2], [3, 4, 5]]; 8];
+    let mut planes = [[[0, PLANE, 2 * PLANE], [3 * PLANE, 4 * PLANE, 5 * PLANE]]; 8];
     let mut signs = 0;
     while signs < 8 {
         let mut axis = 0;
         while axis < 3 {
-            let turned = 3 * (signs >> axis & 1);
+            let turned = 3 * PLANE * (signs >> axis & 1);
             planes[signs][0][axis] += turned;
             planes[signs][1][axis] -= turned;
             axis += 1;
@@ -158,8 +161,8 @@ impl RayBox {
             _ => f32::MAX,
         };
         Self {
-            near: [0, 1, 2],
-            far: [3, 4, 5],
+            near: PLANES[0][0],
+            far: PLANES[0][1],
             inverse_near: [f32::MIN_POSITIVE; 4],
             inverse_far: [f32::MIN_POSITIVE; 4],
             offset_near: [-far; 4],
@@ -182,28 +185,27 @@ fn bounded(inverse: F4, far: F4, extent: f32) -> F4 {
 pub struct RayBlock {
     pub(super) origin: [f32; 4],
     pub(super) dir: [f32; 4],
-    /// Error of edge functions, to be multiplied by L.
-    pub(super) slack_edge: f32,
-    /// Error of the distance's numerator, to be multiplied by L^2.
-    pub(super) slack_t: f32,
-    /// Error of the determinant, to be multiplied by L^2.
-    pub(super) slack_det: f32,
+    /// D.
+    pub(super) long: f32,
+    /// Error of edge functions, to be multiplied by D and L, and that of the distance's numerator, by L^2.
+    pub(super) slack: f32,
     /// Added to each of them, for what is lost to underflow: at most 2^-149 of a product, which at most four
     /// numbers of the size of M or D then multiply, so that this is ample and not itself lost.
     pub(super) slack_least: f32,
 }
 
 impl RayBlock {
-    /// `slack_t` of a unit of M.
-    const SLACK_T: f32 = 20.0 * power(-24);
+    /// `slack` of a unit of M.
+    const SLACK: f32 = 22.0 * power(-24);
+    /// Error of the determinant, to be multiplied by D and L^2.
+    pub(super) const SLACK_DET: f32 = 10.0 * power(-24);
 
     /// For a level without blocks.
     pub const UNUSED: Self = Self {
         origin: [0.0; 4],
         dir: [0.0; 4],
-        slack_edge: 0.0,
-        slack_t: 0.0,
-        slack_det: 0.0,
+        long: 0.0,
+        slack: 0.0,
         slack_least: 0.0,
     };
 
@@ -223,9 +225,8 @@ impl RayBlock {
         Self {
             origin: ray.origin.to_array(),
             dir: ray.dir.to_array(),
-            slack_edge: 22.0 * power(-24) * m * d,
-            slack_t: Self::SLACK_T * m,
-            slack_det: 10.0 * power(-24) * d,
+            long: d,
+            slack: Self::SLACK * m,
             slack_least: power(-120) * (m + d + 1.0),
         }
     }
@@ -279,8 +280,8 @@ impl RaySphere {
         let [x, y, z, _] = ray.dir;
         let inverse_dd = 1.0 / (x * x + y * y + z * z);
         let usual =
-            (power(-80)..power(80)).contains(&inverse_dd) && ray.slack_t > RayBlock::SLACK_T * power(-50);
-        let slack = if usual { 3.3 * ray.slack_t } else { f32::INFINITY };
+            (power(-80)..power(80)).contains(&inverse_dd) && ray.slack > RayBlock::SLACK * power(-50);
+        let slack = if usual { 3.0 * ray.slack } else { f32::INFINITY };
         Self {
             inverse_dd,
             inverse_length: inverse_dd.sqrt(),

@@ -145,8 +145,8 @@ impl Bvh {
             while !current.is_leaf() {
                 // SAFETY: node indices come from the builder, which makes each child's index that of a node.
                 let node = unsafe { &*nodes.add(current.0 as usize) };
-                // SAFETY: `near` and `far` are below 6.
-                let plane = |i: usize| unsafe { node.planes.get_unchecked(i) };
+                // SAFETY: `near` and `far` are the places of its planes.
+                let plane = |at: usize| unsafe { &*node.planes.as_ptr().byte_add(at) };
                 let enter_x = lanes.mul_add(lanes.load(plane(near[0])), inverse_near[0], offset_near[0]);
                 let enter_y = lanes.mul_add(lanes.load(plane(near[1])), inverse_near[1], offset_near[1]);
                 let enter_z = lanes.mul_add(lanes.load(plane(near[2])), inverse_near[2], offset_near[2]);

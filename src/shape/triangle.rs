@@ -72,6 +72,12 @@ impl TriangleRay {
         }
     }
 
+    /// The axes in the order in which this ray's test takes them.
+    #[inline(always)]
+    pub(crate) fn order(&self) -> [usize; 3] {
+        self.axes
+    }
+
     /// The axes in the order in which the test takes them: across, across, along the direction `d`, which is the
     /// first of those along which it is longest.
     #[inline(always)]
@@ -113,9 +119,19 @@ impl TriangleRay {
     #[inline(always)]
     #[must_use]
     pub fn intersect(&self, [a, b, c]: [&DVec3; 3]) -> Option<TriangleHit> {
-        let [ax, ay, az] = self.shear(ordered(self.axes, a));
-        let [bx, by, bz] = self.shear(ordered(self.axes, b));
-        let [cx, cy, cz] = self.shear(ordered(self.axes, c));
+        self.intersect_ordered([
+            ordered(self.axes, a),
+            ordered(self.axes, b),
+            ordered(self.axes, c),
+        ])
+    }
+
+    /// As [`TriangleRay::intersect`], with the corners' axes [in order](TriangleRay::order).
+    #[inline(always)]
+    pub(crate) fn intersect_ordered(&self, [a, b, c]: [[f64; 3]; 3]) -> Option<TriangleHit> {
+        let [ax, ay, az] = self.shear(a);
+        let [bx, by, bz] = self.shear(b);
+        let [cx, cy, cz] = self.shear(c);
         // Twice the areas opposite a, b and c, in one order of factors for each edge.
         let wa = cx * by - cy * bx;
         let wb = ax * cy - ay * cx;
@@ -217,7 +233,7 @@ pub(super) fn spans(a: f64, b: f64, c: f64) -> bool {
 /// The components in another order.
 #[inline(always)]
 #[allow(clippy::indexing_slicing, reason = "the order is one of 0, 1 and 2")]
-fn ordered([kx, ky, kz]: [usize; 3], v: &DVec3) -> [f64; 3] {
+pub(crate) fn ordered([kx, ky, kz]: [usize; 3], v: &DVec3) -> [f64; 3] {
     let v: &[f64; 3] = v.as_ref();
     [v[kx], v[ky], v[kz]]
 }

@@ -5,8 +5,8 @@
 
 #![allow(clippy::indexing_slicing, reason = "lanes are counted by constants")]
 
-use super::triangle::{TriangleHit, TriangleRay, along_the_longest_edge, is_sliver, spans};
-use crate::math::{DVec3, Ray};
+use super::triangle::{TriangleHit, TriangleRay, along_the_longest_edge, is_sliver, ordered, spans};
+use crate::math::Ray;
 
 /// Most rays at once.
 pub(crate) const MANY: usize = 16;
@@ -31,16 +31,19 @@ impl ManyTriangles {
         hits: [[0.0; MANY]; 3],
     };
 
-    /// Adds a ray, which has a finite direction that is not zero, and its triangle; no more than [`MANY`].
+    /// Adds a ray, which has a finite direction that is not zero, and its triangle, whose corners are asked for with
+    /// their axes in the ray's order; no more than [`MANY`].
     #[inline(always)]
-    pub(crate) fn push(&mut self, ray: &Ray, corners: [DVec3; 3]) {
+    pub(crate) fn push(&mut self, ray: &Ray, corners: impl FnOnce([usize; 3]) -> [[f64; 3]; 3]) {
         let at = self.len & (MANY - 1);
         self.len = at + 1;
         let axes = TriangleRay::axes(ray.dir);
-        for (k, axis) in axes.into_iter().enumerate() {
-            self.dir[k][at] = ray.dir[axis];
-            for (corner, p) in self.corners.iter_mut().zip(corners) {
-                corner[k][at] = p[axis] - ray.origin[axis];
+        let (origin, dir) = (ordered(axes, &ray.origin), ordered(axes, &ray.dir));
+        let corners = corners(axes);
+        for k in 0..3 {
+            self.dir[k][at] = dir[k];
+            for (row, corner) in self.corners.iter_mut().zip(corners) {
+                row[k][at] = corner[k] - origin[k];
             }
         }
     }
@@ -110,6 +113,7 @@ impl ManyTriangles {
 #[cfg(test)]
 mod tests {
     use super::{super::suite::Rng, *};
+    use crate::math::DVec3;
 
     #[test]
     fn many_give_the_bits_of_one() {
@@ -145,7 +149,7 @@ mod tests {
                 .collect();
             let mut many = ManyTriangles::EMPTY;
             for (ray, corners) in &pairs {
-                many.push(ray, *corners);
+                many.push(ray, |axes| corners.map(|corner| ordered(axes, &corner)));
             }
             let mut found = vec![None; pairs.len()];
             many.intersect(|i, hit| found[i] = Some(hit));

@@ -9,7 +9,7 @@
 
 use super::{PACKET, RayPacket, Row, wide::Wide};
 use crate::accel::{
-    blocks::{BLOCK, Spheres, Triangles},
+    blocks::{BLOCK, Spheres, Spot, Triangles},
     cuboids::{self, Cuboids},
     four::F4,
 };
@@ -98,7 +98,7 @@ impl RayPacket {
         &mut self,
         w: W,
         seen: &Seen,
-        (lane, id): (usize, u32),
+        (lane, spot): (usize, Spot),
         active: u64,
         lowest: &mut Row,
     ) -> Met {
@@ -115,7 +115,7 @@ impl RayPacket {
         let certain_share = w.splat(self.certain_share);
         let (shrink, grow) = (w.splat(1.0 - 1e-6), w.splat(1.0 + 1e-6));
         let infinity = w.splat(f32::INFINITY);
-        let id = w.splat(f32::from_bits(id));
+        let spot = w.splat(spot.to_f32());
         let mut met = Met {
             possible: 0,
             certain: 0,
@@ -170,8 +170,8 @@ impl RayPacket {
             let before = w.load(&self.nearest_low, group);
             let wins = w.and(certain, w.below(high, before));
             w.store(w.select(wins, low, before), &mut self.nearest_low, group);
-            let before = w.load(&self.nearest_id, group);
-            w.store(w.select(wins, id, before), &mut self.nearest_id, group);
+            let before = w.load(&self.nearest_spot, group);
+            w.store(w.select(wins, spot, before), &mut self.nearest_spot, group);
             let others = possible & !w.bits(wins);
             if others != 0 {
                 met.possible |= others << shift;
@@ -396,12 +396,12 @@ mod tests {
                 continue;
             };
             let mut block = Triangles::EMPTY;
-            block.set(2, 7, corners);
+            block.set(2, 7, corners, [0, 1, 2]);
             let seen = Seen::new(&block, &packet);
             let mut lowest = [0.0; PACKET];
             let all = (1 << rays.len()) - 1;
-            let met = packet.triangle::<_, true>(Plain, &seen, (2, 7), all, &mut lowest);
-            packet.triangle::<_, false>(Plain, &seen, (2, 7), all, &mut lowest);
+            let met = packet.triangle::<_, true>(Plain, &seen, (2, Spot::new(0, 2)), all, &mut lowest);
+            packet.triangle::<_, false>(Plain, &seen, (2, Spot::new(0, 2)), all, &mut lowest);
             for (i, ray) in rays.iter().enumerate() {
                 let hit = TriangleRay::new(ray)
                     .intersect(corners.each_ref())

@@ -52,9 +52,9 @@ pub struct RayPacket {
     inverse: [Row; 3],
     /// Nothing beyond counts: the distance of what a ray certainly meets, rounded up.
     bound: Row,
-    /// The nearest triangle that is certainly hit (its bits are the id), and the distance rounded down; infinite where
-    /// there is none.
-    nearest_id: Row,
+    /// The nearest triangle that is certainly hit (a [`Spot`](super::Spot)), and the distance rounded down; infinite
+    /// where there is none.
+    nearest_spot: Row,
     nearest_low: Row,
     /// Nothing nearer counts as certain.
     t_least: f32,
@@ -143,7 +143,7 @@ impl RayPacket {
         dir: [[0.0; PACKET]; 3],
         inverse: [[0.0; PACKET]; 3],
         bound: [DONE; PACKET],
-        nearest_id: [0.0; PACKET],
+        nearest_spot: [0.0; PACKET],
         nearest_low: [f32::INFINITY; PACKET],
         t_least: 0.0,
         certain_share: 1.0,

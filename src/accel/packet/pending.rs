@@ -5,7 +5,7 @@
 use std::mem::MaybeUninit;
 
 use super::{Decide, PACKET, RayPacket};
-use crate::accel::NONE;
+use crate::accel::Spot;
 
 /// Triangles a ray may hit before f64 is asked, besides the nearest that is certain.
 const PENDING: usize = 4;
@@ -13,7 +13,7 @@ const PENDING: usize = 4;
 /// What waits for a decision in f64.
 pub(super) struct Pending {
     /// Triangles, with a lower bound of t; as many as `count` says.
-    items: [[MaybeUninit<(u32, f32)>; PENDING]; PACKET],
+    items: [[MaybeUninit<(Spot, f32)>; PENDING]; PACKET],
     count: [u8; PACKET],
 }
 
@@ -33,7 +33,7 @@ impl RayPacket {
     pub(super) fn add_pending(
         &mut self,
         ray: usize,
-        id: u32,
+        spot: Spot,
         lowest: f32,
         pending: &mut Pending,
         decide: &mut impl Decide,
@@ -41,48 +41,48 @@ impl RayPacket {
         let ray = ray & (PACKET - 1);
         let mut count = usize::from(pending.count[ray]);
         if count == PENDING {
-            let (ids, left) = self.sift(ray, pending);
+            let (spots, left) = self.sift(ray, pending);
             if left > 0 {
-                self.lower_bound(ray, decide.triangles(ray, &ids[..left]));
+                self.lower_bound(ray, decide.triangles(ray, &spots[..left]));
             }
             count = 0;
         }
-        pending.items[ray][count & (PENDING - 1)].write((id, lowest));
+        pending.items[ray][count & (PENDING - 1)].write((spot, lowest));
         pending.count[ray] = count as u8 + 1;
     }
 
     /// Takes a ray's triangles that may still count out of the list.
     #[inline(always)]
-    fn sift(&self, ray: usize, pending: &mut Pending) -> ([u32; PENDING], usize) {
-        let (mut ids, mut left) = ([NONE; PENDING], 0);
+    fn sift(&self, ray: usize, pending: &mut Pending) -> ([Spot; PENDING], usize) {
+        let (mut spots, mut left) = ([Spot::NOWHERE; PENDING], 0);
         for item in &pending.items[ray][..usize::from(pending.count[ray])] {
             // SAFETY: `count` of them have been written.
-            let (id, lowest) = unsafe { item.assume_init() };
+            let (spot, lowest) = unsafe { item.assume_init() };
             if lowest <= self.bound[ray] {
-                ids[left] = id;
+                spots[left] = spot;
                 left += 1;
             }
         }
         pending.count[ray] = 0;
-        (ids, left)
+        (spots, left)
     }
 
     /// Decides what all rays may have hit.
     #[inline(always)]
     pub(super) fn decide_pending(&mut self, pending: &mut Pending, decide: &mut impl Decide) {
         const ROOM: usize = PACKET + PENDING + 1;
-        let mut pairs = [(0, NONE); ROOM];
+        let mut pairs = [(0, Spot::NOWHERE); ROOM];
         let mut count = 0;
         for ray in 0..self.len {
             let low = self.nearest_low[ray];
             if low < f32::INFINITY && low <= self.bound[ray] {
-                pairs[count] = (ray as u8, self.nearest_id[ray].to_bits());
+                pairs[count] = (ray as u8, Spot::from_f32(self.nearest_spot[ray]));
                 count += 1;
             }
             if pending.count[ray] != 0 {
-                let (ids, left) = self.sift(ray, pending);
-                for id in &ids[..left] {
-                    pairs[count] = (ray as u8, *id);
+                let (spots, left) = self.sift(ray, pending);
+                for spot in &spots[..left] {
+                    pairs[count] = (ray as u8, *spot);
                     count += 1;
                 }
             }

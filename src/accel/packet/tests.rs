@@ -4,7 +4,7 @@
 #![allow(unsafe_code)]
 
 use super::{
-    super::{BLOCK, Box32, Bvh, Child, Cuboids, Kinds, NONE, Primitive, Spheres, Triangles, cases},
+    super::{BLOCK, Box32, Bvh, Child, Cuboids, Kinds, NONE, Primitive, Spheres, Spot, Triangles, cases},
     DONE, Decide, PACKET, Place, RayPacket, Search, rays,
     wide::{Plain, Wide},
 };
@@ -87,6 +87,8 @@ impl Things {
 /// Decides every question by the things themselves.
 struct Exact<'a, const ANY: bool> {
     things: &'a Things,
+    /// The triangles in the tree's blocks.
+    blocks: &'a [[u32; BLOCK]],
     rays: &'a [Ray],
     best: Vec<f64>,
     /// Rays that went on by themselves.
@@ -94,6 +96,11 @@ struct Exact<'a, const ANY: bool> {
 }
 
 impl<const ANY: bool> Exact<'_, ANY> {
+    fn triangle(&self, spot: Spot) -> u32 {
+        let (block, lane) = spot.get();
+        self.blocks[block][lane]
+    }
+
     fn ask(&mut self, ray: usize, index: u32) -> f32 {
         if let Some(t) = self.things.hit(index as usize, &self.rays[ray]) {
             self.best[ray] = self.best[ray].min(t);
@@ -108,15 +115,16 @@ impl<const ANY: bool> Exact<'_, ANY> {
 impl<const ANY: bool> Decide for Exact<'_, ANY> {
     fn begin(&mut self, _: &mut RayPacket) {}
 
-    fn triangles(&mut self, ray: usize, ids: &[u32]) -> f32 {
-        ids.iter()
-            .map(|id| self.ask(ray, *id))
+    fn triangles(&mut self, ray: usize, spots: &[Spot]) -> f32 {
+        let spots = spots.iter();
+        spots
+            .map(|spot| self.ask(ray, self.triangle(*spot)))
             .fold(f32::INFINITY, f32::min)
     }
 
-    fn last(&mut self, pairs: &[(u8, u32)], packet: &mut RayPacket) {
-        for (ray, id) in pairs {
-            let bound = self.ask(usize::from(*ray), *id);
+    fn last(&mut self, pairs: &[(u8, Spot)], packet: &mut RayPacket) {
+        for (ray, spot) in pairs {
+            let bound = self.ask(usize::from(*ray), self.triangle(*spot));
             packet.lower_bound(usize::from(*ray), bound);
         }
     }
@@ -195,7 +203,7 @@ fn packets_find_what_their_rays_hit() {
         let place = Place {
             bvh: &bvh,
             triangles: &blocks(&leaves.triangles, Triangles::EMPTY, |block, lane, id| {
-                block.set(lane, id, corners(id));
+                block.set(lane, id, corners(id), [id; 3]);
             }),
             spheres: &blocks(&leaves.spheres, Spheres::EMPTY, |block, lane, id| {
                 let (center, radius) = things.spheres[id as usize - spheres];
@@ -233,10 +241,11 @@ fn packets_find_what_their_rays_hit() {
             .map(|ray| exact(ray).into_iter().flatten().fold(f64::INFINITY, f64::min))
             .collect();
         let best = vec![f64::INFINITY; count];
-        let (things, rays) = (&things, &rays[..]);
+        let (things, blocks, rays) = (&things, &leaves.triangles[..], &rays[..]);
         let extent = f64::from(bvh.extent());
         let mut one = Exact::<false> {
             things,
+            blocks,
             rays,
             best: best.clone(),
             alone: 0,
@@ -247,6 +256,7 @@ fn packets_find_what_their_rays_hit() {
         assert_eq!(one.best, nearest, "round {round}");
         let mut any = Exact::<true> {
             things,
+            blocks,
             rays,
             best,
             alone: 0,

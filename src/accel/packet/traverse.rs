@@ -14,7 +14,7 @@ use super::{
 };
 use crate::accel::{
     Bvh, Child, LeafKind, NONE,
-    blocks::{BLOCK, Spheres, Triangles},
+    blocks::{BLOCK, Spheres, Spot, Triangles},
     boxes::Node,
     cuboids::Cuboids,
     lanes::prefetch,
@@ -26,10 +26,10 @@ pub trait Decide {
     /// The rays go together. May lower their bounds before the tree is looked at.
     fn begin(&mut self, packet: &mut RayPacket);
     /// A ray may hit these triangles.
-    fn triangles(&mut self, ray: usize, ids: &[u32]) -> f32;
+    fn triangles(&mut self, ray: usize, spots: &[Spot]) -> f32;
     /// As the search ends: each ray may hit the triangle it stands with. The answer goes to
     /// [`RayPacket::lower_bound`].
-    fn last(&mut self, pairs: &[(u8, u32)], packet: &mut RayPacket);
+    fn last(&mut self, pairs: &[(u8, Spot)], packet: &mut RayPacket);
     /// A ray may hit a sphere.
     fn sphere(&mut self, ray: usize, id: u32) -> f32;
     /// Rays, one bit for each, may hit a box or a primitive of another kind. The answers go to
@@ -369,14 +369,15 @@ impl RayPacket {
         match leaf.kind() {
             LeafKind::Triangles => {
                 let mut lowest: Row = [0.0; PACKET];
-                for block in &place.triangles[leaf.range()] {
+                for (at, block) in leaf.range().zip(&place.triangles[leaf.range()]) {
                     let seen = Seen::new(block, self);
                     for lane in 0..BLOCK {
                         let id = block.ids[lane];
                         if id == NONE || id == self.skip {
                             continue;
                         }
-                        let met = self.triangle::<W, ANY>(w, &seen, (lane, id), active, &mut lowest);
+                        let spot = Spot::new(at, lane);
+                        let met = self.triangle::<W, ANY>(w, &seen, (lane, spot), active, &mut lowest);
                         let mut possible = met.possible;
                         if ANY && met.certain != 0 && decide.ends(id) {
                             for ray in rays(met.certain) {
@@ -390,7 +391,7 @@ impl RayPacket {
                         }
                         for ray in rays(possible) {
                             if self.own[ray] != id {
-                                self.add_pending(ray, id, lowest[ray], pending, decide);
+                                self.add_pending(ray, spot, lowest[ray], pending, decide);
                             }
                         }
                     }

@@ -6,8 +6,12 @@ use super::{
     query::{Hit, Query},
 };
 use crate::{
+    accel::Triangles,
     math::Ray,
-    shape::{Crossing, CrossingSink, Crossings, Shape, triangle::TriangleRay},
+    shape::{
+        Crossing, CrossingSink, Crossings, Shape,
+        triangle::{TriangleHit, TriangleRay},
+    },
 };
 
 /// One ray's tests of a level's primitives; each tells whether it ends the search.
@@ -38,30 +42,37 @@ impl<const ANY: bool> Exact<'_, '_, '_, ANY> {
                 self.world
                     .search::<ANY>(inner, self.base + instance.first_number, &ray, self.query)
             }
-            Primitive::Triangle(i) => self.triangle_of(&TriangleRay::new(self.ray), i),
+            Primitive::Triangle(i) => {
+                !self.starts_on(i) && {
+                    let hit = TriangleRay::new(self.ray).intersect(self.level.corners_of(i));
+                    self.offer_triangle(i, hit)
+                }
+            }
             Primitive::Sphere(i) => self.sphere(i),
         }
     }
 
-    /// A triangle whose corners are looked up.
+    /// The triangle in a lane of a block; `ray` is this ray, prepared.
     #[inline(always)]
-    pub(super) fn triangle_of(&mut self, ray: &TriangleRay, index: u32) -> bool {
-        let corners = self.level.triangles.get(index as usize).copied();
-        corners.is_some_and(|corners| self.triangle(ray, index, corners))
-    }
-
-    /// A triangle with these corners; `ray` is this ray, prepared.
-    #[inline(always)]
-    pub(super) fn triangle(&mut self, ray: &TriangleRay, index: u32, corners: [u32; 3]) -> bool {
-        let (number, level) = (self.base + u64::from(index), self.level);
-        if self.query.probe.starts_on(number) {
+    pub(super) fn triangle_in(&mut self, ray: &TriangleRay, block: &Triangles, lane: usize) -> bool {
+        let index = block.ids[lane];
+        if self.starts_on(index) {
             return false;
         }
-        let corners = corners.map(|i| level.vertices.get(i as usize));
-        let [Some(a), Some(b), Some(c)] = corners else {
-            return false;
-        };
-        ray.intersect([a, b, c]).is_some_and(|hit| {
+        let corners = self.level.corners_in(block, lane, ray.order());
+        self.offer_triangle(index, ray.intersect_ordered(corners))
+    }
+
+    #[inline(always)]
+    fn starts_on(&self, index: u32) -> bool {
+        self.query.probe.starts_on(self.base + u64::from(index))
+    }
+
+    /// Where this ray meets a triangle.
+    #[inline(always)]
+    fn offer_triangle(&mut self, index: u32, hit: Option<TriangleHit>) -> bool {
+        let (number, level) = (self.base + u64::from(index), self.level);
+        hit.is_some_and(|hit| {
             self.query
                 .offer_triangle::<ANY>(number, hit, || level.may_be_transparent(index))
         })

@@ -7,7 +7,7 @@ use crate::{
     accel::{Bvh, Corners, Cuboids, Spheres, Triangles, prefetch},
     math::{Bounds3, DAffine3, DMat3, DVec3, Ray},
     scene::{AnimatedTransform, GroupId, MeshId, TriangleId},
-    shape::{Cuboid, Shape, Sphere},
+    shape::{Cuboid, Shape, Sphere, triangle::ordered},
 };
 
 /// The primitives of one group. Their numbers run through the kinds in the order of the fields: triangles,
@@ -216,12 +216,32 @@ impl Level<'_> {
         self.corners_of(triangle).map(|corner| *corner)
     }
 
-    /// The numbers of a triangle's corners, of which a block says this.
+    /// The corners of a block's triangle, with their axes in this order.
     #[inline(always)]
-    pub(super) fn corner_numbers(&self, triangle: u32, corners: Corners) -> Option<[u32; 3]> {
-        match corners.get() {
-            None => self.triangles.get(triangle as usize).copied(),
-            known => known,
+    pub(super) fn corners_in(&self, block: &Triangles, lane: usize, axes: [usize; 3]) -> [[f64; 3]; 3] {
+        if block.corners[lane] == Corners::HERE {
+            return block.exact(lane, axes);
+        }
+        let [a, b, c] = self.numbers_in(block, lane);
+        [
+            ordered(axes, &self.vertices[a as usize]),
+            ordered(axes, &self.vertices[b as usize]),
+            ordered(axes, &self.vertices[c as usize]),
+        ]
+    }
+
+    /// The numbers of the corners of a block's triangle.
+    #[inline(always)]
+    fn numbers_in(&self, block: &Triangles, lane: usize) -> [u32; 3] {
+        let known = block.corners[lane].get();
+        known.unwrap_or_else(|| self.triangles[block.ids[lane] as usize])
+    }
+
+    /// Asks for the memory of the corners of a block's triangle, where they are not in the block.
+    #[inline(always)]
+    pub(super) fn ask_for_corners_in(&self, block: &Triangles, lane: usize) {
+        if block.corners[lane] != Corners::HERE {
+            self.ask_for_corners(self.numbers_in(block, lane));
         }
     }
 

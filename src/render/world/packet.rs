@@ -8,7 +8,7 @@ use super::{
     trace::above,
 };
 use crate::{
-    accel::{BEFORE_END, Child, DONE, Decide, Ends, HasRay, NONE, PACKET, Place, RayPacket, Search, rays},
+    accel::{BEFORE_END, Child, DONE, Decide, Ends, HasRay, NONE, PACKET, Place, RayPacket, Search, Spot, rays},
     math::{DVec3, Ray, max_abs},
     shape::{
         triangle::TriangleRay,
@@ -238,16 +238,19 @@ impl<const ANY: bool> Decide for Decider<'_, '_, '_, ANY> {
     }
 
     #[inline(always)]
-    fn last(&mut self, pairs: &[(u8, u32)], packet: &mut RayPacket) {
+    fn last(&mut self, pairs: &[(u8, Spot)], packet: &mut RayPacket) {
         let level = self.level;
         for pairs in pairs.chunks(MANY) {
-            for &(ray, id) in pairs {
-                let query = &self.queries[usize::from(ray)];
-                self.pairs.push(&query.probe.ray, level.corners(id));
+            for &(ray, spot) in pairs {
+                let ((block, lane), query) = (spot.get(), &self.queries[usize::from(ray)]);
+                let block = &level.triangle_blocks[block];
+                self.pairs
+                    .push(&query.probe.ray, |axes| level.corners_in(block, lane, axes));
             }
             let queries = &mut *self.queries;
             self.pairs.intersect(|i, hit| {
-                let (ray, id) = (usize::from(pairs[i].0), pairs[i].1);
+                let ((block, lane), ray) = (pairs[i].1.get(), usize::from(pairs[i].0));
+                let id = level.triangle_blocks[block].ids[lane];
                 let number = u64::from(id);
                 if queries[ray].offer_triangle::<ANY>(number, hit, || level.may_be_transparent(id)) {
                     packet.lower_bound(ray, DONE);
@@ -257,10 +260,13 @@ impl<const ANY: bool> Decide for Decider<'_, '_, '_, ANY> {
     }
 
     #[inline(always)]
-    fn triangles(&mut self, ray: usize, ids: &[u32]) -> f32 {
+    fn triangles(&mut self, ray: usize, spots: &[Spot]) -> f32 {
         self.ask(ray, |exact| {
             let own = TriangleRay::new(exact.ray);
-            ids.iter().any(|&id| exact.triangle_of(&own, id))
+            spots.iter().any(|spot| {
+                let (block, lane) = spot.get();
+                exact.triangle_in(&own, &exact.level.triangle_blocks[block], lane)
+            })
         })
     }
 

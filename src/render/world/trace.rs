@@ -11,7 +11,7 @@ use super::{
 use crate::{
     accel::{
         self, BLOCK, Child, Control, Lanes, LeafKind, NONE, Range, Ray32, RayBlock, RayBox, RayCuboid,
-        RaySphere, Task, Triangles, Visitor,
+        RaySphere, Spot, Task, Triangles, Visitor,
     },
     math::Ray,
     shape::triangle::TriangleRay,
@@ -204,15 +204,15 @@ const WAITING: usize = 4;
 struct Waiting {
     index: u32,
     least: f32,
-    /// A triangle's corners.
-    corners: [u32; 3],
+    /// Where a triangle stands.
+    spot: Spot,
 }
 
 impl Waiting {
     const NOTHING: Self = Self {
         index: NONE,
         least: 0.0,
-        corners: [0; 3],
+        spot: Spot::NOWHERE,
     };
     /// As a constant it is read from memory that nobody has written to just before.
     const NONE: [Self; WAITING] = [Self::NOTHING; WAITING];
@@ -295,7 +295,8 @@ impl<'t, 'a, 's, 'p, const ANY: bool> LevelSearch<'t, 'a, 's, 'p, ANY> {
 
     #[inline(always)]
     fn triangles<L: Lanes>(&mut self, lanes: L, leaf: Child, bound: &mut f32) -> bool {
-        let Some(block) = self.exact.level.triangle_blocks.get(leaf.first()) else {
+        let at = leaf.first();
+        let Some(block) = self.exact.level.triangle_blocks.get(at) else {
             return false;
         };
         let mut range = self.range;
@@ -320,18 +321,9 @@ impl<'t, 'a, 's, 'p, const ANY: bool> LevelSearch<'t, 'a, 's, 'p, ANY> {
                 *bound = bound.min(t_most[lane]);
                 least = t_least[lane];
             }
-            let Some(corners) = self.exact.level.corner_numbers(index, block.corners[lane]) else {
-                continue;
-            };
-            self.wait(
-                Waiting {
-                    index,
-                    least,
-                    corners,
-                },
-                bound,
-            );
-            self.exact.level.ask_for_corners(corners);
+            let spot = Spot::new(at, lane);
+            self.wait(Waiting { index, least, spot }, bound);
+            self.exact.level.ask_for_corners_in(block, lane);
         }
         false
     }
@@ -358,10 +350,7 @@ impl<'t, 'a, 's, 'p, const ANY: bool> LevelSearch<'t, 'a, 's, 'p, ANY> {
             return true;
         }
         let ray = TriangleRay::new(self.exact.ray);
-        lanes_of(possible).any(|lane| {
-            let corners = self.exact.level.corner_numbers(ids[lane], block.corners[lane]);
-            corners.is_some_and(|corners| self.exact.triangle(&ray, ids[lane], corners))
-        })
+        lanes_of(possible).any(|lane| self.exact.triangle_in(&ray, block, lane))
     }
 
     /// Decides which of the waiting triangles and boxes is hit first, the last found first: it is the nearest, but for
@@ -378,13 +367,13 @@ impl<'t, 'a, 's, 'p, const ANY: bool> LevelSearch<'t, 'a, 's, 'p, ANY> {
         let ray = TriangleRay::new(self.exact.ray);
         while self.waiting_count > 0 {
             self.waiting_count -= 1;
-            let Waiting {
-                index,
-                least,
-                corners,
-            } = self.waiting[self.waiting_count % WAITING];
+            let Waiting { least, spot, .. } = self.waiting[self.waiting_count % WAITING];
+            let (block, lane) = spot.get();
+            let Some(block) = self.exact.level.triangle_blocks.get(block) else {
+                continue;
+            };
             if f64::from(least) <= self.exact.query.best.t {
-                self.exact.triangle(&ray, index, corners);
+                self.exact.triangle_in(&ray, block, lane);
             }
         }
     }

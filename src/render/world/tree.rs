@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{super::interrupt::Interrupt, level::Level};
-use crate::accel::{BLOCK, Bvh, Corners, Cuboids, Kinds, NONE, Primitive, Spheres, Triangles, prefetch};
+use crate::accel::{BLOCK, Bvh, Cuboids, Kinds, NONE, Primitive, Spheres, Triangles, prefetch};
 
 /// Blocks that are filled between two looks at the interrupt, and the fewest that are worth another thread.
 const PIECE: usize = 1024;
@@ -37,8 +37,7 @@ pub(super) fn build(
         interrupt,
         ask,
         |block, lane, index| {
-            block.set(lane, index, level.corners(index));
-            block.corners[lane] = Corners::new(level.triangles[index as usize]);
+            block.set(lane, index, level.corners(index), level.triangles[index as usize]);
         },
     );
     level.sphere_blocks = blocks(
