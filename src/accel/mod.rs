@@ -13,6 +13,7 @@ mod blocks;
 mod boxes;
 mod build;
 mod cuboids;
+mod few;
 mod four;
 mod lanes;
 mod packet;
@@ -24,6 +25,7 @@ pub use blocks::{BLOCK, Candidates, Corners, NONE, Range, Spheres, Spot, Triangl
 pub use boxes::{Box32, Child, LeafKind, round_down, round_up};
 pub use build::{Bvh, Kinds, Leaves, Primitive};
 pub use cuboids::Cuboids;
+pub use few::Few;
 pub use lanes::{Exact, Four, Lanes, Mask, Simd, Task, Words, prefetch, run};
 pub use packet::{BEFORE_END, DONE, Decide, Ends, HasRay, PACKET, Place, RayPacket, Search, rays};
 pub use ray::{Ray32, RayBlock, RayBox, RayCuboid, RaySphere};

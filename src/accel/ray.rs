@@ -22,8 +22,10 @@ pub struct Ray32 {
 /// What a ray's numbers allow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Numbers {
-    /// No product of them leaves the range of f32.
+    /// No product of them leaves the range of f32, nor does the inverse of a direction along any axis.
     Usual,
+    /// The same, but that the ray may be all but perpendicular to an axis.
+    Across,
     /// Some may.
     Extreme,
     /// No direction, or a number that is not finite: the ray meets nothing.
@@ -40,11 +42,11 @@ impl Ray32 {
     pub fn new(ray: &Ray) -> Self {
         let (origin, dir) = (F4::rounded(&ray.origin), F4::rounded(&ray.dir));
         let (far, long) = (origin.abs(), dir.abs());
-        let small = long.below(F4::splat(LARGE)).and(far.below(F4::splat(LARGE)));
-        let range = if small.bits() == 15 && F4::splat(1.0 / LARGE).below(long).bits() != 0 {
-            Numbers::Usual
-        } else {
-            Numbers::unusual(ray)
+        // The fourth lane is 0.
+        let small = far.add(long).below(F4::splat(LARGE));
+        let range = match F4::splat(1.0 / LARGE).below(long).and(small).bits() {
+            7 => Numbers::Usual,
+            along => Numbers::unusual(ray, along, small.bits()),
         };
         Self {
             origin,
@@ -57,9 +59,12 @@ impl Ray32 {
 }
 
 impl Numbers {
+    /// For the lanes `along` which the direction is long enough, and those that are `small` enough.
     #[cold]
-    fn unusual(ray: &Ray) -> Self {
-        if ray.origin.is_finite() && ray.dir.is_finite() && ray.dir != DVec3::ZERO {
+    fn unusual(ray: &Ray, along: u32, small: u32) -> Self {
+        if small == 15 && along != 0 {
+            Self::Across
+        } else if ray.origin.is_finite() && ray.dir.is_finite() && ray.dir != DVec3::ZERO {
             Self::Extreme
         } else {
             Self::Aimless
@@ -127,13 +132,15 @@ impl RayBox {
     #[must_use]
     pub fn new(ray: &Ray32, extent: f32) -> Self {
         if ray.range != Numbers::Usual || extent >= LARGE {
-            return Self::unusual(ray.range);
+            return Self::unusual(ray, extent);
         }
+        Self::of(ray, F4::splat(1.0).div(ray.long))
+    }
+
+    /// With these inverses of the direction's size along each axis.
+    #[inline(always)]
+    fn of(ray: &Ray32, inverse: F4) -> Self {
         let sign = ray.dir.sign();
-        let mut inverse = F4::splat(1.0).div(ray.long);
-        if F4::splat(power(-66)).below(ray.long).bits() & 7 != 7 {
-            inverse = bounded(inverse, ray.far, extent);
-        }
         let inverse = inverse.flip(sign);
         let stretched = inverse.mul(F4::splat(1.0 + 8.0 * f32::EPSILON));
         let away = F4::splat(0.0).sub(ray.origin);
@@ -155,8 +162,12 @@ impl RayBox {
 
     /// Lets a ray whose numbers leave the range of f32 into all boxes, and one that aims nowhere into none.
     #[cold]
-    fn unusual(range: Numbers) -> Self {
-        let far = match range {
+    #[inline(never)]
+    fn unusual(ray: &Ray32, extent: f32) -> Self {
+        let far = match ray.range {
+            Numbers::Usual | Numbers::Across if extent < LARGE => {
+                return Self::of(ray, bounded(ray, extent));
+            }
             Numbers::Aimless => -f32::MAX,
             _ => f32::MAX,
         };
@@ -171,12 +182,14 @@ impl RayBox {
     }
 }
 
-/// Inverses along axes that the ray is all but perpendicular to, as large as products with coordinates allow:
-/// 0 times an inverse is 0, and a ray in the plane of a face is inside.
-#[cold]
-#[inline(never)]
-fn bounded(inverse: F4, far: F4, extent: f32) -> F4 {
-    let m = larger(largest(far), extent);
+/// Inverses of the direction's size along each axis: along those that the ray is all but perpendicular to, as large as
+/// products with coordinates allow. 0 times an inverse is 0, and a ray in the plane of a face is inside.
+fn bounded(ray: &Ray32, extent: f32) -> F4 {
+    let inverse = F4::splat(1.0).div(ray.long);
+    if F4::splat(power(-66)).below(ray.long).bits() & 7 == 7 {
+        return inverse;
+    }
+    let m = larger(largest(ray.far), extent);
     inverse.min(F4::splat(power(125) / larger(m, 1.0)))
 }
 
@@ -199,15 +212,6 @@ impl RayBlock {
     const SLACK: f32 = 22.0 * power(-24);
     /// Error of the determinant, to be multiplied by D and L^2.
     pub(super) const SLACK_DET: f32 = 10.0 * power(-24);
-
-    /// For a level without blocks.
-    pub const UNUSED: Self = Self {
-        origin: [0.0; 4],
-        dir: [0.0; 4],
-        long: 0.0,
-        slack: 0.0,
-        slack_least: 0.0,
-    };
 
     /// Prepares a ray for a level whose coordinates are at most `extent` in size.
     #[inline(always)]
@@ -279,8 +283,7 @@ impl RaySphere {
     pub fn new(ray: &RayBlock) -> Self {
         let [x, y, z, _] = ray.dir;
         let inverse_dd = 1.0 / (x * x + y * y + z * z);
-        let usual =
-            (power(-80)..power(80)).contains(&inverse_dd) && ray.slack > RayBlock::SLACK * power(-50);
+        let usual = (power(-80)..power(80)).contains(&inverse_dd) && ray.slack > RayBlock::SLACK * power(-50);
         let slack = if usual { 3.0 * ray.slack } else { f32::INFINITY };
         Self {
             inverse_dd,

@@ -104,7 +104,10 @@ fn what_has_no_box_is_in_no_leaf() {
 
 /// Leaves whose blocks are nearly empty share them, unless that would cost rays much.
 #[test]
-#[cfg_attr(miri, ignore = "says something of tens of thousands of triangles only; other tests build")]
+#[cfg_attr(
+    miri,
+    ignore = "says something of tens of thousands of triangles only; other tests build"
+)]
 fn blocks_are_full_where_that_costs_little() {
     let n = cases(40_000);
     let kinds = Kinds {

@@ -8,7 +8,9 @@ use super::{
     trace::above,
 };
 use crate::{
-    accel::{BEFORE_END, Child, DONE, Decide, Ends, HasRay, NONE, PACKET, Place, RayPacket, Search, Spot, rays},
+    accel::{
+        BEFORE_END, Child, DONE, Decide, Ends, HasRay, NONE, PACKET, Place, RayPacket, Search, Spot, rays,
+    },
     math::{DVec3, Ray, max_abs},
     shape::{
         triangle::TriangleRay,

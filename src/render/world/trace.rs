@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     accel::{
-        self, BLOCK, Child, Control, Lanes, LeafKind, NONE, Range, Ray32, RayBlock, RayBox, RayCuboid,
+        self, BLOCK, Child, Control, Few, Lanes, LeafKind, NONE, Range, Ray32, RayBlock, RayBox, RayCuboid,
         RaySphere, Spot, Task, Triangles, Visitor,
     },
     math::Ray,
@@ -150,7 +150,7 @@ impl<const ANY: bool> Task for LevelTask<'_, '_, '_, '_, ANY> {
         let ray_box = RayBox::new(&ray32, level.bvh.extent());
         let mut search = LevelSearch::new(exact, &ray32);
         let possible = search.range.possible;
-        let bound = search.range.bound.min(bound);
+        let bound = nearer(search.range.bound, bound);
         level
             .bvh
             .traverse_with::<_, ANY>(lanes, from, &ray_box, possible, bound, &mut search);
@@ -166,7 +166,7 @@ impl<const ANY: bool> Task for LevelTask<'_, '_, '_, '_, ANY> {
 pub(super) fn range(t_min: f64, t_max: f64) -> Range {
     Range {
         // Twice as far as the exact bound, for the rounding of tests in f32 where t is negative.
-        possible: (2.0 * t_min.min(0.0)) as f32,
+        possible: 2.0 * nearer(t_min as f32, 0.0),
         bound: above(t_max),
         certain: [above(t_min), below(t_max)],
     }
@@ -182,6 +182,12 @@ pub(super) fn above(t: f64) -> f32 {
 #[inline(always)]
 fn below(t: f64) -> f32 {
     t as f32 * (1.0 - 2.0 * f32::EPSILON)
+}
+
+/// The smaller, and the second where either is NaN: one operation.
+#[inline(always)]
+fn nearer(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
 }
 
 /// The lanes whose bits are set.
@@ -214,8 +220,6 @@ impl Waiting {
         least: 0.0,
         spot: Spot::NOWHERE,
     };
-    /// As a constant it is read from memory that nobody has written to just before.
-    const NONE: [Self; WAITING] = [Self::NOTHING; WAITING];
 }
 
 /// A search of one level.
@@ -223,16 +227,15 @@ struct LevelSearch<'t, 'a, 's, 'p, const ANY: bool> {
     /// Where it is: what was written number by number would have to be read so to be moved.
     exact: &'t mut Exact<'a, 's, 'p, ANY>,
     ray_block: RayBlock,
+    /// Prepared once a sphere or a box is met.
     ray_sphere: Option<RaySphere>,
-    /// Prepared once a box is met.
     ray_cuboid: Option<RayCuboid>,
     range: Range,
     /// Index of the primitive that the ray starts on, where it is one of this level.
     start: u32,
     /// Triangles and boxes that may be the nearest hit, and how far away they are at least. In f32 it is nearly always known
     /// which of two hits is nearer, so that most are never looked at in f64.
-    waiting: [Waiting; WAITING],
-    waiting_count: usize,
+    waiting: Few<Waiting, WAITING>,
     stopped: bool,
 }
 
@@ -268,21 +271,14 @@ impl<'t, 'a, 's, 'p, const ANY: bool> LevelSearch<'t, 'a, 's, 'p, ANY> {
     fn new(exact: &'t mut Exact<'a, 's, 'p, ANY>, ray32: &Ray32) -> Self {
         let (probe, t_max) = (exact.query.probe, exact.query.best.t);
         let level = exact.level;
-        let ray_block = if level.has_blocks() {
-            RayBlock::new(ray32, level.extent as f32)
-        } else {
-            RayBlock::UNUSED
-        };
-        let range = range(probe.t_min, t_max);
         Self {
-            ray_sphere: (!level.sphere_blocks.is_empty()).then(|| RaySphere::new(&ray_block)),
+            ray_block: RayBlock::new(ray32, level.extent as f32),
+            ray_sphere: None,
             ray_cuboid: None,
-            ray_block,
-            range,
+            range: range(probe.t_min, t_max),
             start: u32::try_from(probe.start.wrapping_sub(exact.base)).unwrap_or(NONE),
             exact,
-            waiting: Waiting::NONE,
-            waiting_count: 0,
+            waiting: Few::new(),
             stopped: false,
         }
     }
@@ -290,7 +286,7 @@ impl<'t, 'a, 's, 'p, const ANY: bool> LevelSearch<'t, 'a, 's, 'p, ANY> {
     /// Lowers the bound to the best hit so far.
     #[inline(always)]
     fn lower(&self, bound: &mut f32) {
-        *bound = bound.min(above(self.exact.query.best.t));
+        *bound = nearer(above(self.exact.query.best.t), *bound);
     }
 
     #[inline(always)]
@@ -318,7 +314,7 @@ impl<'t, 'a, 's, 'p, const ANY: bool> LevelSearch<'t, 'a, 's, 'p, ANY> {
             }
             let mut least = f32::NEG_INFINITY;
             if found.certain >> lane & 1 == 1 {
-                *bound = bound.min(t_most[lane]);
+                *bound = nearer(t_most[lane], *bound);
                 least = t_least[lane];
             }
             let spot = Spot::new(at, lane);
@@ -331,12 +327,11 @@ impl<'t, 'a, 's, 'p, const ANY: bool> LevelSearch<'t, 'a, 's, 'p, ANY> {
     /// Notes a primitive that may be the nearest hit, and how far away it is at least.
     #[inline(always)]
     fn wait(&mut self, waiting: Waiting, bound: &mut f32) {
-        if self.waiting_count == WAITING {
+        if self.waiting.is_full() {
             self.decide_now();
             self.lower(bound);
         }
-        self.waiting[self.waiting_count % WAITING] = waiting;
-        self.waiting_count += 1;
+        self.waiting.push(waiting);
     }
 
     /// Whether any of a block's triangles ends the search.
@@ -357,24 +352,23 @@ impl<'t, 'a, 's, 'p, const ANY: bool> LevelSearch<'t, 'a, 's, 'p, ANY> {
     /// rounding.
     #[inline(always)]
     fn decide(&mut self) {
-        if self.waiting_count == 0 {
+        let Some(last) = self.waiting.pop() else {
             return;
-        }
+        };
         if !self.exact.level.cuboid_blocks.is_empty() {
-            self.decide_any();
+            self.decide_any(last);
             return;
         }
         let ray = TriangleRay::new(self.exact.ray);
-        while self.waiting_count > 0 {
-            self.waiting_count -= 1;
-            let Waiting { least, spot, .. } = self.waiting[self.waiting_count % WAITING];
+        let mut next = Some(last);
+        while let Some(Waiting { least, spot, .. }) = next {
             let (block, lane) = spot.get();
-            let Some(block) = self.exact.level.triangle_blocks.get(block) else {
-                continue;
-            };
-            if f64::from(least) <= self.exact.query.best.t {
+            if f64::from(least) <= self.exact.query.best.t
+                && let Some(block) = self.exact.level.triangle_blocks.get(block)
+            {
                 self.exact.triangle_in(&ray, block, lane);
             }
+            next = self.waiting.pop();
         }
     }
 
@@ -387,27 +381,31 @@ impl<'t, 'a, 's, 'p, const ANY: bool> LevelSearch<'t, 'a, 's, 'p, ANY> {
 
     /// As [`Self::decide`] where boxes may be among those that wait.
     #[inline(never)]
-    fn decide_any(&mut self) {
-        while self.waiting_count > 0 {
-            self.waiting_count -= 1;
-            let Waiting { index, least, .. } = self.waiting[self.waiting_count % WAITING];
+    fn decide_any(&mut self, last: Waiting) {
+        let mut next = Some(last);
+        while let Some(Waiting { index, least, .. }) = next {
             if f64::from(least) <= self.exact.query.best.t {
                 self.exact.any(index);
             }
+            next = self.waiting.pop();
         }
     }
 
     #[inline(always)]
     fn spheres<L: Lanes>(&mut self, lanes: L, leaf: Child, bound: &mut f32) -> bool {
         let level = self.exact.level;
-        let (Some(block), Some(ray)) = (level.sphere_blocks.get(leaf.first()), &self.ray_sphere) else {
+        let Some(block) = level.sphere_blocks.get(leaf.first()) else {
             return false;
+        };
+        let ray = match self.ray_sphere {
+            Some(ray) => ray,
+            None => *self.ray_sphere.insert(RaySphere::new(&self.ray_block)),
         };
         let range = Range {
             bound: *bound,
             ..self.range
         };
-        let [possible, certain] = block.candidates(lanes, &self.ray_block, ray, range);
+        let [possible, certain] = block.candidates(lanes, &self.ray_block, &ray, range);
         if ANY && certain != 0 {
             let first = level.triangles.len() as u32;
             let ends = |index: u32| index != self.start && !level.may_be_transparent(index);
@@ -452,7 +450,7 @@ impl<'t, 'a, 's, 'p, const ANY: bool> LevelSearch<'t, 'a, 's, 'p, ANY> {
         let [least, most] = found.t;
         for lane in lanes_of(found.certain) {
             if block.ids[lane] != self.start {
-                *bound = bound.min(most[lane]);
+                *bound = nearer(most[lane], *bound);
             }
         }
         for lane in lanes_of(found.possible) {

@@ -1,0 +1,68 @@
+//! A few values on the processor's own stack.
+
+#![allow(unsafe_code)]
+
+use std::mem::MaybeUninit;
+
+/// Up to `N` values, the last to come the first to go. Making it writes nothing, where a list of values for every ray would
+/// have to be filled for the few that are looked at.
+pub struct Few<T, const N: usize> {
+    values: [MaybeUninit<T>; N],
+    len: usize,
+}
+
+impl<T: Copy, const N: usize> Few<T, N> {
+    /// No values.
+    #[inline(always)]
+    #[must_use]
+    pub fn new() -> Self {
+        Self {
+            values: [const { MaybeUninit::uninit() }; N],
+            len: 0,
+        }
+    }
+
+    /// Whether there is no room left.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_full(&self) -> bool {
+        self.len == N
+    }
+
+    /// Adds a value; what there is no room for is dropped.
+    #[inline(always)]
+    pub fn push(&mut self, value: T) {
+        if let Some(place) = self.values.get_mut(self.len) {
+            place.write(value);
+            self.len += 1;
+        }
+    }
+
+    /// Takes the value that came last.
+    #[inline(always)]
+    pub fn pop(&mut self) -> Option<T> {
+        let len = self.len.checked_sub(1)?;
+        let value = self.values.get(len)?;
+        self.len = len;
+        // SAFETY: `push` wrote the first `len` values.
+        Some(unsafe { value.assume_init() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_come_back_in_the_opposite_order_and_no_more_than_there_is_room_for() {
+        let mut few = Few::<u32, 3>::new();
+        assert_eq!(few.pop(), None);
+        for value in 0..5 {
+            assert_eq!(few.is_full(), value >= 3);
+            few.push(value);
+        }
+        assert_eq!([(); 4].map(|()| few.pop()), [Some(2), Some(1), Some(0), None]);
+        few.push(7);
+        assert_eq!((few.pop(), few.pop()), (Some(7), None));
+    }
+}
