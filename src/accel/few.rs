@@ -15,7 +15,7 @@ impl<T: Copy, const N: usize> Few<T, N> {
     /// No values.
     #[inline(always)]
     #[must_use]
-    pub fn new() -> Self {
+    pub fn empty() -> Self {
         Self {
             values: [const { MaybeUninit::uninit() }; N],
             len: 0,
@@ -55,7 +55,7 @@ mod tests {
 
     #[test]
     fn values_come_back_in_the_opposite_order_and_no_more_than_there_is_room_for() {
-        let mut few = Few::<u32, 3>::new();
+        let mut few = Few::<u32, 3>::empty();
         assert_eq!(few.pop(), None);
         for value in 0..5 {
             assert_eq!(few.is_full(), value >= 3);

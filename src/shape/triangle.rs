@@ -81,7 +81,7 @@ impl TriangleRay {
     /// The axes in the order in which the test takes them: across, across, along the direction `d`, which is the
     /// first of those along which it is longest.
     #[inline(always)]
-    pub(super) fn axes(d: DVec3) -> [usize; 3] {
+    pub(crate) fn axes(d: DVec3) -> [usize; 3] {
         let [x, y, z] = d.abs().to_array();
         if x >= y && x >= z {
             [1, 2, 0]

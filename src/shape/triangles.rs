@@ -5,7 +5,7 @@
 
 #![allow(clippy::indexing_slicing, reason = "lanes are counted by constants")]
 
-use super::triangle::{TriangleHit, TriangleRay, along_the_longest_edge, is_sliver, ordered, spans};
+use super::triangle::{TriangleHit, along_the_longest_edge, is_sliver, ordered, spans};
 use crate::math::Ray;
 
 /// Most rays at once.
@@ -21,6 +21,8 @@ pub(crate) struct ManyTriangles {
     dir: [Row; 3],
     corners: [[Row; 3]; 3],
     hits: [Row; 3],
+    /// 1 where a triangle is met and seen as a line, which is decided by itself.
+    slivers: Row,
 }
 
 impl ManyTriangles {
@@ -29,17 +31,16 @@ impl ManyTriangles {
         dir: [[1.0; MANY]; 3],
         corners: [[[0.0; MANY]; 3]; 3],
         hits: [[0.0; MANY]; 3],
+        slivers: [0.0; MANY],
     };
 
-    /// Adds a ray, which has a finite direction that is not zero, and its triangle, whose corners are asked for with
-    /// their axes in the ray's order; no more than [`MANY`].
+    /// Adds a ray, which has a finite direction that is not zero, and its triangle; no more than [`MANY`]. The axes of
+    /// the corners are in the ray's order, `axes`.
     #[inline(always)]
-    pub(crate) fn push(&mut self, ray: &Ray, corners: impl FnOnce([usize; 3]) -> [[f64; 3]; 3]) {
+    pub(crate) fn push(&mut self, ray: &Ray, axes: [usize; 3], corners: [[f64; 3]; 3]) {
         let at = self.len & (MANY - 1);
         self.len = at + 1;
-        let axes = TriangleRay::axes(ray.dir);
         let (origin, dir) = (ordered(axes, &ray.origin), ordered(axes, &ray.dir));
-        let corners = corners(axes);
         for k in 0..3 {
             self.dir[k][at] = dir[k];
             for (row, corner) in self.corners.iter_mut().zip(corners) {
@@ -54,7 +55,6 @@ impl ManyTriangles {
         let [dx, dy, dz] = &self.dir;
         let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = &self.corners;
         let [ts, us, vs] = &mut self.hits;
-        let mut slivers = [false; MANY];
         // Whole registers: what lies beyond is tested too, and not looked at.
         for i in 0..self.len.next_multiple_of(4).min(MANY) {
             let (shear_x, shear_y, t_per_z) = (dx[i] / dz[i], dy[i] / dz[i], 1.0 / dz[i]);
@@ -69,22 +69,23 @@ impl ManyTriangles {
             let back = (wa <= 0.0) & (wb <= 0.0) & (wc <= 0.0);
             let det = wa + wb + wc;
             let per_det = 1.0 / det;
+            let sliver = is_sliver(det, [cx * by, ax * cy, bx * ay]);
             let (wa, u, v) = (wa * per_det, wb * per_det, wc * per_det);
             let t = (wa * az + u * bz + v * cz) * t_per_z;
             let on_edge = (wa == 0.0) | (wb == 0.0) | (wc == 0.0);
             let within = spans(ax, bx, cx) & spans(ay, by, cy);
             let met = (front | back) & (det != 0.0) & (!on_edge | within);
-            slivers[i] = met & is_sliver(det, [cx * by, ax * cy, bx * ay]);
             ts[i] = if met { t } else { f64::NAN };
             us[i] = u;
             vs[i] = v;
+            self.slivers[i] = if met & sliver { 1.0 } else { 0.0 };
         }
-        if slivers.contains(&true) {
-            self.again(&slivers);
-        }
-        let [ts, us, vs] = &self.hits;
-        let hits = ts.iter().zip(us.iter()).zip(vs.iter());
-        for (i, ((&t, &u), &v)) in hits.take(self.len).enumerate() {
+        for i in 0..self.len {
+            let [t, u, v] = if self.slivers[i] == 0.0 {
+                [self.hits[0][i], self.hits[1][i], self.hits[2][i]]
+            } else {
+                self.along_the_longest_edge(i)
+            };
             if t.is_finite() {
                 visit(i, TriangleHit { t, u, v });
             }
@@ -92,27 +93,25 @@ impl ManyTriangles {
         self.len = 0;
     }
 
-    /// Weights and t where a triangle is met and seen as a line.
+    /// t, u and v where a triangle is met and seen as a line.
     #[cold]
     #[inline(never)]
-    fn again(&mut self, slivers: &[bool; MANY]) {
-        for i in (0..MANY).filter(|i| slivers[*i]) {
-            let [dx, dy, dz] = [0, 1, 2].map(|k| self.dir[k][i]);
-            let corners = self.corners.map(|corner| [0, 1, 2].map(|k| corner[k][i]));
-            let across = corners.map(|[x, y, z]| (x - dx / dz * z, y - dy / dz * z));
-            let [wa, u, v] = along_the_longest_edge(across);
-            let [az, bz, cz] = corners.map(|[_, _, z]| z);
-            let t = (wa * az + u * bz + v * cz) * (1.0 / dz);
-            for (row, value) in self.hits.iter_mut().zip([t, u, v]) {
-                row[i] = value;
-            }
-        }
+    fn along_the_longest_edge(&self, i: usize) -> [f64; 3] {
+        let [dx, dy, dz] = [0, 1, 2].map(|k| self.dir[k][i]);
+        let corners = self.corners.map(|corner| [0, 1, 2].map(|k| corner[k][i]));
+        let across = corners.map(|[x, y, z]| (x - dx / dz * z, y - dy / dz * z));
+        let [wa, u, v] = along_the_longest_edge(across);
+        let [az, bz, cz] = corners.map(|[_, _, z]| z);
+        [(wa * az + u * bz + v * cz) * (1.0 / dz), u, v]
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{super::suite::Rng, *};
+    use super::{
+        super::{suite::Rng, triangle::TriangleRay},
+        *,
+    };
     use crate::math::DVec3;
 
     #[test]
@@ -149,7 +148,8 @@ mod tests {
                 .collect();
             let mut many = ManyTriangles::EMPTY;
             for (ray, corners) in &pairs {
-                many.push(ray, |axes| corners.map(|corner| ordered(axes, &corner)));
+                let axes = TriangleRay::axes(ray.dir);
+                many.push(ray, axes, corners.map(|corner| ordered(axes, &corner)));
             }
             let mut found = vec![None; pairs.len()];
             many.intersect(|i, hit| found[i] = Some(hit));

@@ -245,9 +245,9 @@ impl<const ANY: bool> Decide for Decider<'_, '_, '_, ANY> {
         for pairs in pairs.chunks(MANY) {
             for &(ray, spot) in pairs {
                 let ((block, lane), query) = (spot.get(), &self.queries[usize::from(ray)]);
-                let block = &level.triangle_blocks[block];
-                self.pairs
-                    .push(&query.probe.ray, |axes| level.corners_in(block, lane, axes));
+                let (block, ray) = (&level.triangle_blocks[block], &query.probe.ray);
+                let axes = TriangleRay::axes(ray.dir);
+                self.pairs.push(ray, axes, level.corners_in(block, lane, axes));
             }
             let queries = &mut *self.queries;
             self.pairs.intersect(|i, hit| {

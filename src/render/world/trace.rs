@@ -278,7 +278,7 @@ impl<'t, 'a, 's, 'p, const ANY: bool> LevelSearch<'t, 'a, 's, 'p, ANY> {
             range: range(probe.t_min, t_max),
             start: u32::try_from(probe.start.wrapping_sub(exact.base)).unwrap_or(NONE),
             exact,
-            waiting: Few::new(),
+            waiting: Few::empty(),
             stopped: false,
         }
     }
