@@ -17,6 +17,7 @@
 //! [`RayBlock`] has 22 for 20 and for 18, 10 for 8.
 
 use super::{
+    corners::Corners,
     four::F4,
     lanes::Lanes,
     ray::{RayBlock, RaySphere},
@@ -56,75 +57,6 @@ impl Candidates {
         certain: 0,
         t: [[0.0; BLOCK]; 2],
     };
-}
-
-/// Where a triangle's three corners are: in the block itself, or by their numbers, which take half of the room here that
-/// they take elsewhere if they are small enough.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Corners(u64);
-
-impl Corners {
-    /// Bits of a number.
-    const BITS: u32 = 21;
-    /// Numbers that do not fit are to be looked up. No three that fit have the top bit.
-    pub const ELSEWHERE: Self = Self(u64::MAX);
-    /// What the block has in f32 are the corners themselves, to the bit: [`Triangles::exact`].
-    pub const HERE: Self = Self(u64::MAX - 1);
-
-    /// Those numbers, or [`Corners::ELSEWHERE`].
-    #[must_use]
-    pub fn new(corners: [u32; 3]) -> Self {
-        if corners.iter().any(|corner| corner >> Self::BITS != 0) {
-            return Self::ELSEWHERE;
-        }
-        let [a, b, c] = corners.map(u64::from);
-        Self(a | b << Self::BITS | c << (2 * Self::BITS))
-    }
-
-    /// The numbers, where they are here.
-    #[inline(always)]
-    #[must_use]
-    pub fn get(self) -> Option<[u32; 3]> {
-        let Self(bits) = self;
-        let number = |at: u32| (bits >> (at * Self::BITS)) as u32 & ((1 << Self::BITS) - 1);
-        (bits < Self::HERE.0).then(|| [number(0), number(1), number(2)])
-    }
-}
-
-/// A triangle by its place among all blocks of a level.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Spot(u32);
-
-impl Spot {
-    /// No triangle's.
-    pub const NOWHERE: Self = Self(u32::MAX);
-
-    /// A lane of a block, of which there are no more than [`Child`](super::Child) can refer to.
-    #[inline(always)]
-    #[must_use]
-    pub fn new(block: usize, lane: usize) -> Self {
-        Self((block * BLOCK + lane) as u32)
-    }
-
-    /// The block and the lane.
-    #[inline(always)]
-    #[must_use]
-    pub fn get(self) -> (usize, usize) {
-        let Self(at) = self;
-        (at as usize / BLOCK, at as usize % BLOCK)
-    }
-
-    /// As a number of the same bits, to wait in a register of f32.
-    #[inline(always)]
-    pub(super) fn to_f32(self) -> f32 {
-        f32::from_bits(self.0)
-    }
-
-    /// The opposite of [`Spot::to_f32`].
-    #[inline(always)]
-    pub(super) fn from_f32(bits: f32) -> Self {
-        Self(bits.to_bits())
-    }
 }
 
 /// Four triangles: one corner and two edges; three lines of a cache.
@@ -369,29 +301,6 @@ mod tests {
     fn random() -> impl FnMut() -> f64 {
         let mut next = crate::accel::random(5);
         move || 2.0 * next() - 1.0
-    }
-
-    #[test]
-    fn numbers_of_corners_come_back_or_are_looked_up_and_a_block_fills_its_lines() {
-        assert_eq!(size_of::<Triangles>(), 3 * 64);
-        let most = (1 << Corners::BITS) - 1;
-        for corners in [
-            [0; 3],
-            [most; 3],
-            [1, most, 0],
-            [most, 0, 7],
-            [12_345, 678, most - 9],
-        ] {
-            assert_eq!(Corners::new(corners).get(), Some(corners));
-        }
-        for corners in [
-            [most + 1, 0, 0],
-            [0, most + 1, 0],
-            [0, 0, u32::MAX],
-            [u32::MAX; 3],
-        ] {
-            assert_eq!(Corners::new(corners).get(), None);
-        }
     }
 
     /// Rays at triangles of every size, most of them close to an edge, at scales from 1e-18 to 1e18.

@@ -12,6 +12,7 @@
 mod blocks;
 mod boxes;
 mod build;
+mod corners;
 mod cuboids;
 mod few;
 mod four;
@@ -21,9 +22,10 @@ mod ray;
 mod shaft;
 mod traverse;
 
-pub use blocks::{BLOCK, Candidates, Corners, NONE, Range, Spheres, Spot, Triangles};
+pub use blocks::{BLOCK, Candidates, NONE, Range, Spheres, Triangles};
 pub use boxes::{Box32, Child, LeafKind, round_down, round_up};
 pub use build::{Bvh, Kinds, Leaves, Primitive};
+pub use corners::{Corners, Spot};
 pub use cuboids::Cuboids;
 pub use few::Few;
 pub use lanes::{Exact, Four, Lanes, Mask, Simd, Task, Words, prefetch, run};

@@ -9,7 +9,8 @@
 
 use super::{PACKET, RayPacket, Row, wide::Wide};
 use crate::accel::{
-    blocks::{BLOCK, Spheres, Spot, Triangles},
+    Spot,
+    blocks::{BLOCK, Spheres, Triangles},
     cuboids::{self, Cuboids},
     four::F4,
 };

@@ -13,8 +13,8 @@ use super::{
     wide::{Plain, Wide},
 };
 use crate::accel::{
-    Bvh, Child, LeafKind, NONE,
-    blocks::{BLOCK, Spheres, Spot, Triangles},
+    Bvh, Child, LeafKind, NONE, Spot,
+    blocks::{BLOCK, Spheres, Triangles},
     boxes::Node,
     cuboids::Cuboids,
     lanes::prefetch,
