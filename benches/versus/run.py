@@ -382,7 +382,7 @@ def whole_runs(found, rounds):
 
 
 def threads(found, rounds):
-    """Wall time of everything but the script's own run, which one thread does."""
+    """Wall time of whole runs, in which one thread runs the script, and of tracing alone."""
     rows = []
     for script in sorted((ROOT / "scripts").glob("*.rhai")):
         wall = {1: [], 2: []}
