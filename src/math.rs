@@ -208,7 +208,7 @@ pub fn is_singular(m: &DMat3) -> bool {
     !(volume > 0.0 && m.determinant().abs() > 1e-12 * volume)
 }
 
-/// Largest absolute component.
+/// Largest absolute component. Where one is NaN, so may this be.
 ///
 /// ```
 /// use rtscript::{DVec3, math::max_abs};
@@ -216,7 +216,19 @@ pub fn is_singular(m: &DMat3) -> bool {
 /// ```
 #[must_use]
 pub fn max_abs(v: DVec3) -> f64 {
-    v.x.abs().max(v.y.abs()).max(v.z.abs())
+    larger(larger(v.x.abs(), v.y.abs()), v.z.abs())
+}
+
+/// The larger of two numbers, and the second where either is NaN: one operation, where `f64::max` takes four.
+#[inline(always)]
+pub(crate) fn larger<T: PartialOrd>(a: T, b: T) -> T {
+    if a > b { a } else { b }
+}
+
+/// The smaller of two numbers, and the second where either is NaN.
+#[inline(always)]
+pub(crate) fn smaller<T: PartialOrd>(a: T, b: T) -> T {
+    if a < b { a } else { b }
 }
 
 /// A ray `origin + t * dir`. `dir` need not be a unit vector: under an instance's inverse matrix it is not,

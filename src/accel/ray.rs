@@ -1,7 +1,7 @@
 //! Rays in f32, prepared for the conservative tests of boxes and of blocks.
 
 use super::{cuboids, four::F4};
-use crate::math::{DVec3, Ray};
+use crate::math::{DVec3, Ray, larger};
 
 /// A power of two.
 pub(super) const fn power(exponent: i32) -> f32 {
@@ -77,12 +77,6 @@ impl Numbers {
 fn largest(v: F4) -> f32 {
     let [x, y, z, _] = v.to_array();
     larger(larger(x, y), z)
-}
-
-/// The second where either is NaN, as the processor has it.
-#[inline(always)]
-fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }
 
 /// A ray prepared for box tests.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::{
     filter::Places,
     sampler::{LENS, Sampler, TIME, permuted, stratified},
-    square::patches,
+    square::Patches,
     world::{PACKET, Probe, World},
 };
 use crate::{
@@ -102,17 +102,17 @@ impl<'s> Shots<'s> {
     }
 
     /// The rays of the samples `indices` of each pixel in turn where [`Shots::is_plain`]; of a square of pixels at this
-    /// place of the part that is rendered, in the order of its [`patches`].
+    /// place of the part that is rendered, in the order of its [`Patches`].
     #[inline(always)]
     pub(super) fn plain(
         &self,
         (x, y): (u32, u32),
-        size: (u32, u32),
+        patches: &Patches,
         indices: Range<u32>,
         probes: &mut Vec<Probe>,
     ) {
         if self.settings.samples > 1 {
-            for (i, j) in patches(size) {
+            for (i, j) in patches.iter() {
                 let one = |index| self.plain_one((x + i, y + j), index);
                 probes.extend(indices.clone().map(one));
             }
@@ -120,13 +120,13 @@ impl<'s> Shots<'s> {
         }
         // Through the centers of pixels, so that a column has one place across and a row one down.
         let (mut across, mut up) = ([DVec3::ZERO; PACKET], [DVec3::ZERO; PACKET]);
-        for (across, i) in across.iter_mut().zip(0..size.0) {
+        for (across, i) in across.iter_mut().zip(0..patches.size.0) {
             *across = self.frame.across(f64::from(self.corner.0 + x + i) + 0.5);
         }
-        for (up, j) in up.iter_mut().zip(0..size.1) {
+        for (up, j) in up.iter_mut().zip(0..patches.size.1) {
             *up = self.frame.up(f64::from(self.corner.1 + y + j) + 0.5);
         }
-        probes.extend(patches(size).map(|(i, j)| {
+        probes.extend(patches.iter().map(|(i, j)| {
             let at = |from: &[DVec3; PACKET], i: u32| from.get(i as usize).copied().unwrap_or_default();
             Probe::from_space(self.frame.pinhole(at(&across, i), at(&up, j)))
         }));
@@ -347,8 +347,9 @@ mod tests {
             };
             let shots = Shots::new(&Camera::default(), &settings);
             let mut probes = Vec::new();
-            shots.plain((2, 8), (5, 3), 0..samples, &mut probes);
-            let places = patches((5, 3)).map(|(i, j)| (2 + i, 8 + j));
+            let patches = Patches::new((5, 3));
+            shots.plain((2, 8), &patches, 0..samples, &mut probes);
+            let places = patches.iter().map(|(i, j)| (2 + i, 8 + j));
             let one_by_one = places.flat_map(|place| (0..samples).map(move |index| (place, index)));
             let one_by_one = one_by_one.map(|(place, index)| shots.any(place, index).probe.unwrap().ray);
             assert!(probes.iter().map(|probe| probe.ray).eq(one_by_one));

@@ -18,14 +18,41 @@ use crate::color::Color;
 const SAMPLES_PER_POLL: u32 = 16;
 
 /// Pixels whose camera rays are traced together.
-pub(super) struct Square<'a> {
-    pub(super) world: &'a World<'a>,
+pub(super) struct Square<'a, 'w> {
+    pub(super) world: &'a World<'w>,
     pub(super) shots: &'a Shots<'a>,
     pub(super) interrupt: &'a Interrupt<'a>,
     /// The pixel in its upper left corner.
     pub(super) at: (u32, u32),
     /// Columns and rows.
     pub(super) size: (u32, u32),
+}
+
+/// What a thread keeps from one square to the next, so that none of them allocates or clears memory.
+pub(super) struct Room<'w> {
+    probes: Vec<Probe>,
+    met: Met<'w>,
+    stack: Stack,
+}
+
+impl<'w> Room<'w> {
+    pub(super) fn new(world: &World<'w>) -> Self {
+        Self {
+            probes: Vec::with_capacity(PACKET),
+            met: Met::new(world),
+            stack: Stack::default(),
+        }
+    }
+}
+
+/// One of a square's camera rays.
+struct Which {
+    /// The pixel's number in the square.
+    pixel: usize,
+    /// Its place in the picture.
+    place: (u32, u32),
+    /// The ray's number there.
+    index: u32,
 }
 
 /// What camera rays meet that are traced together.
@@ -63,62 +90,80 @@ impl<'w> Met<'w> {
     }
 }
 
-/// The columns and rows of a square, one for each pixel in the order in which their rays are traced.
-#[inline(always)]
-pub(super) fn patches((columns, rows): (u32, u32)) -> impl Iterator<Item = (u32, u32)> {
-    (0..columns * rows).map(move |i| patch(i, (columns, rows)))
+/// The pixels of a square in the order in which their rays are traced: of a whole one in patches of 4 x 2, as many as a
+/// register has rays, since these meet fewer boxes than a line of 8; of others row by row.
+pub(super) struct Patches {
+    /// Columns and rows.
+    pub(super) size: (u32, u32),
+    places: [(u8, u8); PACKET],
 }
 
-/// The column and row of pixel `i` of a square: of a whole one in patches of 4 x 2, as many as a register has rays, since
-/// these meet fewer boxes than a line of 8; of others row by row.
-#[inline(always)]
-fn patch(i: u32, (columns, rows): (u32, u32)) -> (u32, u32) {
-    if columns == 8 && rows.is_multiple_of(2) {
-        // The bits of i from the lowest: two of x, one of y, one of x, the others of y.
-        return (i & 3 | i >> 1 & 4, i >> 2 & 1 | i >> 4 << 1);
+impl Patches {
+    /// Of a square of so many columns and rows, [`PACKET`] pixels at the most.
+    pub(super) fn new((columns, rows): (u32, u32)) -> Self {
+        let is_whole = columns == 8 && rows.is_multiple_of(2);
+        let mut places = [(0, 0); PACKET];
+        for (place, i) in places.iter_mut().zip(0..columns * rows) {
+            let (x, y) = if is_whole {
+                // The bits of i from the lowest: two of x, one of y, one of x, the others of y.
+                (i & 3 | i >> 1 & 4, i >> 2 & 1 | i >> 4 << 1)
+            } else {
+                (i % columns, i / columns)
+            };
+            *place = (x as u8, y as u8);
+        }
+        Self {
+            size: (columns, rows),
+            places,
+        }
     }
-    (i % columns, i / columns)
+
+    /// The column and row of each pixel.
+    #[inline(always)]
+    pub(super) fn iter(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
+        let places = self.places.iter().take((self.size.0 * self.size.1) as usize);
+        places.map(|&(x, y)| (x.into(), y.into()))
+    }
 }
 
-impl Square<'_> {
+impl<'w> Square<'_, 'w> {
     /// Calls `visit` with each pixel's column and row in the square, and the mean of its samples, summed in order.
     pub(super) fn trace(
         &self,
-        stack: &mut Stack,
+        room: &mut Room<'w>,
         counts: &mut Counts,
         mut visit: impl FnMut((u32, u32), Color),
     ) {
+        let patches = Patches::new(self.size);
         if !self.shots.is_plain {
-            return self.trace_any(stack, counts, &mut visit);
+            return self.trace_any(&patches, room, counts, &mut visit);
         }
+        let Room { probes, met, stack } = room;
         let samples = self.shots.count();
         let pixels = self.size.0 * self.size.1;
         let nothing = integrator::nothing(self.world);
         let mut sums = [Color::ZERO; PACKET];
-        let mut met = Met::new(self.world);
-        let mut probes = Vec::with_capacity(PACKET);
         let at_once = (PACKET as u32 / pixels.max(1)).max(1);
         for first in (0..samples).step_by(at_once as usize) {
             let indices = first..samples.min(first + at_once);
             probes.clear();
-            self.shots.plain(self.at, self.size, indices.clone(), &mut probes);
-            met.trace(self.world, &probes, self.interrupt, counts);
+            self.shots.plain(self.at, &patches, indices.clone(), probes);
+            met.trace(self.world, probes, self.interrupt, counts);
             let mut rays = probes.iter().enumerate();
-            for (place, sum) in self.places().zip(&mut sums) {
+            for (place, sum) in patches.iter().zip(&mut sums) {
                 for (index, (i, probe)) in indices.clone().zip(&mut rays) {
                     if index % SAMPLES_PER_POLL == SAMPLES_PER_POLL - 1 && self.interrupt.poll() {
                         return;
                     }
-                    let first = met.first(i, probe);
-                    if let (None, Some(color)) = (&first.hit, nothing) {
+                    if let (None, Some(color)) = (&met.hits[i], nothing) {
                         counts.camera += 1;
                         *sum += color;
                         continue;
                     }
                     *sum += integrator::radiance(
                         self.world,
-                        first,
-                        self.shots.plain_sampler(place, index),
+                        met.first(i, probe),
+                        self.shots.plain_sampler(self.in_picture(place), index),
                         self.interrupt,
                         stack,
                         counts,
@@ -127,7 +172,7 @@ impl Square<'_> {
                 }
             }
         }
-        for (place, sum) in patches(self.size).zip(sums) {
+        for (place, sum) in patches.iter().zip(sums) {
             // A quotient by 1 is the number itself.
             let mean = if samples == 1 {
                 sum
@@ -138,31 +183,33 @@ impl Square<'_> {
         }
     }
 
-    /// The places of its pixels, in the order in which their rays are traced.
-    fn places(&self) -> impl Iterator<Item = (u32, u32)> {
-        (0..self.size.0 * self.size.1).map(|pixel| self.place(pixel))
-    }
-
-    /// The place of one of them.
+    /// The place in the picture of a pixel in this column and row of the square.
     #[inline(always)]
-    fn place(&self, pixel: u32) -> (u32, u32) {
-        let (x, y) = patch(pixel, self.size);
+    fn in_picture(&self, (x, y): (u32, u32)) -> (u32, u32) {
         (self.at.0 + x, self.at.1 + y)
     }
 
     /// As [`Square::trace`], for cameras and samples of every kind.
     #[cold]
     #[inline(never)]
-    fn trace_any(&self, stack: &mut Stack, counts: &mut Counts, visit: &mut dyn FnMut((u32, u32), Color)) {
-        let pixels = self.size.0 * self.size.1;
+    fn trace_any(
+        &self,
+        patches: &Patches,
+        room: &mut Room<'w>,
+        counts: &mut Counts,
+        visit: &mut dyn FnMut((u32, u32), Color),
+    ) {
         let mut means = [Mean::default(); PACKET];
         let count = self.shots.count();
-        let all = (0..pixels).flat_map(|pixel| (0..count).map(move |index| (pixel, index)));
-        let is_done = self.rays(all, stack, counts, &mut |pixel, light, weight| {
-            means[pixel as usize].add(light, weight);
+        let all = (patches.iter().enumerate()).flat_map(|(pixel, place)| {
+            let place = self.in_picture(place);
+            (0..count).map(move |index| Which { pixel, place, index })
+        });
+        let is_done = self.rays(all, room, counts, &mut |pixel, light, weight| {
+            means[pixel].add(light, weight);
         });
         if is_done {
-            for (place, mean) in patches(self.size).zip(&means) {
+            for (place, mean) in patches.iter().zip(&means) {
                 visit(place, mean.value());
             }
         }
@@ -173,17 +220,17 @@ impl Square<'_> {
     #[inline(never)]
     fn rays_in_time(
         &self,
-        which: impl Iterator<Item = (u32, u32)>,
+        which: impl Iterator<Item = Which>,
         stack: &mut Stack,
         counts: &mut Counts,
-        seen: &mut dyn FnMut(u32, Color, Color),
+        seen: &mut dyn FnMut(usize, Color, Color),
     ) -> bool {
         let mut moments = Moments::new(self.world);
-        for ((pixel, index), n) in which.zip(1..) {
+        for (Which { pixel, place, index }, n) in which.zip(1..) {
             if n % SAMPLES_PER_POLL == 0 && self.interrupt.poll() {
                 return false;
             }
-            let shot = self.shots.shot(self.place(pixel), index);
+            let shot = self.shots.shot(place, index);
             let world = moments.at(&shot);
             let light = shot.probe.map_or(Color::ZERO, |probe| {
                 let first = Sight::new(world, &probe);
@@ -194,34 +241,32 @@ impl Square<'_> {
         true
     }
 
-    /// Traces rays, each given by its pixel and its number there, and calls `seen` with each pixel, the light and what
-    /// it counts for, in this order. False where it was stopped.
+    /// Traces rays and calls `seen` with each one's pixel, the light and what it counts for, in this order. False where it
+    /// was stopped.
     fn rays(
         &self,
-        mut which: impl Iterator<Item = (u32, u32)>,
-        stack: &mut Stack,
+        mut which: impl Iterator<Item = Which>,
+        Room { probes, met, stack }: &mut Room<'w>,
         counts: &mut Counts,
-        seen: &mut dyn FnMut(u32, Color, Color),
+        seen: &mut dyn FnMut(usize, Color, Color),
     ) -> bool {
         if self.world.moves() {
             return self.rays_in_time(which, stack, counts, seen);
         }
         let mut since_poll = 0;
-        let mut shots: Vec<(u32, Shot)> = Vec::with_capacity(PACKET);
-        let mut probes: Vec<Probe> = Vec::with_capacity(PACKET);
-        let mut met = Met::new(self.world);
+        let mut shots: Vec<(usize, Shot)> = Vec::with_capacity(PACKET);
         loop {
             shots.clear();
             probes.clear();
-            for (pixel, index) in which.by_ref().take(PACKET) {
-                let shot = self.shots.shot(self.place(pixel), index);
+            for Which { pixel, place, index } in which.by_ref().take(PACKET) {
+                let shot = self.shots.shot(place, index);
                 probes.extend(shot.probe);
                 shots.push((pixel, shot));
             }
             if shots.is_empty() {
                 return true;
             }
-            met.trace(self.world, &probes, self.interrupt, counts);
+            met.trace(self.world, probes, self.interrupt, counts);
             let mut traced = 0;
             for (pixel, shot) in &shots {
                 since_poll += 1;
@@ -254,7 +299,7 @@ mod tests {
     #[test]
     fn patches_have_every_pixel_once_and_eight_of_a_whole_square_lie_together() {
         for size in [(8, 8), (8, 6), (4, 4), (8, 3), (5, 3), (1, 7), (6, 1), (1, 1)] {
-            let mut found: Vec<_> = patches(size).collect();
+            let mut found: Vec<_> = Patches::new(size).iter().collect();
             if size == (8, 8) {
                 for patch in found.chunks(8) {
                     let (x, y) = patch[0];

@@ -23,7 +23,7 @@ use super::{
     interrupt::Interrupt,
     sampler::mix,
     shots::Shots,
-    square::Square,
+    square::{Room, Square},
     world::{PACKET, World},
 };
 use crate::{
@@ -42,8 +42,8 @@ const MOST_TILE: u32 = 1024;
 ///
 /// # Errors
 /// Where the host asked to stop or a limit of `options` is passed.
-pub(super) fn trace(
-    world: &World<'_>,
+pub(super) fn trace<'w>(
+    world: &World<'w>,
     s: &Settings,
     options: &RenderOptions,
     host: &dyn Host,
@@ -64,7 +64,7 @@ pub(super) fn trace(
         }
         None => {
             let told = Told::new(host, region.pixels(), (0, 1));
-            let work = |area: &Area, pixels: &mut [[f64; 3]], stack: &mut Stack, own: &mut Counts| {
+            let work = |area: &Area, pixels: &mut [[f64; 3]], room: &mut Room<'w>, own: &mut Counts| {
                 for square in squares((area.columns, area.rows), shots.count()) {
                     if interrupt.poll() {
                         return false;
@@ -77,7 +77,7 @@ pub(super) fn trace(
                         at: (area.x + square.left, area.y + square.top),
                         size: (square.columns, square.rows),
                     }
-                    .trace(stack, own, |(x, y), mean| {
+                    .trace(room, own, |(x, y), mean| {
                         let (x, y) = (square.left + x, square.top + y);
                         pixels[(y * area.columns + x) as usize] = mean.to_array();
                     });
@@ -87,9 +87,16 @@ pub(super) fn trace(
                 }
                 true
             };
-            over_tiles(size, options, interrupt, work, |area, pixels, rays| {
-                told.tile(area, pixels, rays);
-            })?
+            over_tiles(
+                size,
+                options,
+                interrupt,
+                || Room::new(world),
+                work,
+                |area, pixels, rays| {
+                    told.tile(area, pixels, rays);
+                },
+            )?
         }
     };
     Ok((Image::new(size.0, size.1, s.encoding, pixels), counts))
@@ -119,9 +126,16 @@ fn trace_adaptive(
             counted(own, before)
         })
     };
-    let (grid, mut counts) = over_tiles(size, options, interrupt, first, |area, _, rays| {
-        told.progress(area, rays);
-    })?;
+    let (grid, mut counts) = over_tiles(
+        size,
+        options,
+        interrupt,
+        Stack::default,
+        first,
+        |area, _, rays| {
+            told.progress(area, rays);
+        },
+    )?;
     let told = told.after((9, 10));
     let second = |area: &Area, values: &mut [[f64; 3]], stack: &mut Stack, own: &mut Counts| {
         values.iter_mut().zip(0..).all(|(value, i)| {
@@ -141,9 +155,16 @@ fn trace_adaptive(
             counted(own, before)
         })
     };
-    let (values, more) = over_tiles(size, options, interrupt, second, |area, values, rays| {
-        told.tile(area, values, rays);
-    })?;
+    let (values, more) = over_tiles(
+        size,
+        options,
+        interrupt,
+        Stack::default,
+        second,
+        |area, values, rays| {
+            told.tile(area, values, rays);
+        },
+    )?;
     counts.add(&more);
     Ok((values, counts))
 }
@@ -233,13 +254,14 @@ impl Area {
     }
 }
 
-/// Has all tiles worked on, on all threads. `work` fills in the pixels of a tile and says whether it was not stopped;
-/// `told` hears of each that is done, with the rays that it took.
-fn over_tiles<T: Copy + Default + Send>(
+/// Has all tiles worked on, on all threads. `work` fills in the pixels of a tile and says whether it was not stopped; it
+/// has what `keep` makes for each thread. `told` hears of each that is done, with the rays that it took.
+fn over_tiles<T: Copy + Default + Send, K>(
     (width, height): (u32, u32),
     options: &RenderOptions,
     interrupt: &Interrupt<'_>,
-    work: impl Fn(&Area, &mut [T], &mut Stack, &mut Counts) -> bool + Sync,
+    keep: impl Fn() -> K + Sync,
+    work: impl Fn(&Area, &mut [T], &mut K, &mut Counts) -> bool + Sync,
     told: impl Fn(&Area, &[T], u64) + Sync,
 ) -> Result<(Vec<T>, Counts), Error> {
     let total = width as usize * height as usize;
@@ -256,7 +278,7 @@ fn over_tiles<T: Copy + Default + Send>(
 
     // Each thread takes the next tile when it is done with one, so at the end none waits for more than a tile.
     (0..rayon::current_num_threads()).into_par_iter().for_each(|_| {
-        let (mut own, mut stack) = (Counts::default(), Stack::default());
+        let (mut own, mut kept) = (Counts::default(), keep());
         let mut tile = vec![T::default(); (edge.min(width) * edge.min(height)) as usize];
         while let Some(&(column, row)) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
             let (x, y) = (column * edge, row * edge);
@@ -271,7 +293,7 @@ fn over_tiles<T: Copy + Default + Send>(
             }
             let before = own.total();
             let pixels = &mut tile[..(area.columns * area.rows) as usize];
-            if !work(&area, pixels, &mut stack, &mut own) {
+            if !work(&area, pixels, &mut kept, &mut own) {
                 break;
             }
             if let Some(seed) = options.shuffle {

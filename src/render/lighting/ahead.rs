@@ -2,7 +2,7 @@
 
 use super::{Luck, shadow_ray};
 use crate::{
-    math::{DVec3, Ray},
+    math::DVec3,
     render::{
         interrupt::Interrupt,
         world::{Blocker, Hit, PACKET, Probe, SurfacePoint, World},
@@ -20,6 +20,8 @@ pub(in crate::render) struct Ahead<'w> {
     points: Vec<Option<SurfacePoint<'w>>>,
     /// Which lights reach the points, by the number of the light.
     lights: Vec<Reached>,
+    /// The rays to a light that are looked at together.
+    probes: Vec<Probe>,
 }
 
 /// Points as bits of a number, and the ways from them.
@@ -95,7 +97,7 @@ impl<'w> Ahead<'w> {
             if let LightKind::Point { position, .. } = light.kind
                 && !interrupt.poll()
             {
-                reached.look_at(world, position, &self.points, hits);
+                reached.look_at(world, position, &self.points, hits, &mut self.probes);
                 known += (reached.lit | reached.dark).count_ones();
             }
         }
@@ -136,11 +138,11 @@ impl Reached {
         light: DVec3,
         points: &[Option<SurfacePoint<'_>>],
         hits: &[Option<Hit>],
+        probes: &mut Vec<Probe>,
     ) {
         let mut which = [0u8; PACKET];
         let (mut distances, mut reach) = ([0.0; PACKET], [0.0; PACKET]);
-        let mut probes = [Probe::from_space(Ray::new(light, DVec3::ZERO)); PACKET];
-        let mut n = 0;
+        probes.clear();
         for (i, (point, hit)) in points.iter().zip(hits).enumerate().take(PACKET) {
             let (Some(at), Some(hit)) = (point, hit) else {
                 continue;
@@ -156,14 +158,16 @@ impl Reached {
             let distance = offset.length();
             let towards = offset / distance;
             self.ways[i] = (towards, distance);
-            which[n] = i as u8;
-            distances[n] = distance;
-            (probes[n], reach[n]) = shadow_ray(at, hit.number, towards, distance);
-            n += 1;
+            let n = probes.len();
+            (which[n], distances[n]) = (i as u8, distance);
+            let probe;
+            (probe, reach[n]) = shadow_ray(at, hit.number, towards, distance);
+            probes.push(probe);
         }
+        let n = probes.len();
         let mut found = [Blocker::Transparent; PACKET];
         let ways = [&distances[..n], &reach[..n]];
-        if world.blockers_before(light, &probes[..n], ways, &mut found[..n]) {
+        if world.blockers_before(light, probes, ways, &mut found[..n]) {
             for (which, found) in which[..n].iter().zip(&found) {
                 let bit = 1 << which;
                 match found {
@@ -179,7 +183,7 @@ impl Reached {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Builder, NoHost, Term, color::Color};
+    use crate::{Builder, NoHost, Term, color::Color, math::Ray};
 
     /// A floor of triangles, opaque for x < 0 and of glass beyond, half of it below a roof; one lamp above, one below, one
     /// far away.

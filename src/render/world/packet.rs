@@ -11,7 +11,7 @@ use crate::{
     accel::{
         BEFORE_END, Child, DONE, Decide, Ends, HasRay, NONE, PACKET, Place, RayPacket, Search, Spot, rays,
     },
-    math::{DVec3, Ray, max_abs},
+    math::{DVec3, Ray, larger, max_abs, smaller},
     shape::{
         triangle::TriangleRay,
         triangles::{MANY, ManyTriangles},
@@ -83,13 +83,13 @@ impl World<'_> {
         };
         let (probes, distances) = (&probes[..n], &distances[..n]);
         let starts = probes.iter().map(|probe| max_abs(probe.ray.origin));
-        let extent = starts.fold(0.0, f64::max);
+        let extent = starts.fold(0.0, larger);
         let (nearest, farthest) = distances
             .iter()
             .fold((f64::INFINITY, 0.0_f64), |(least, most), d| {
-                (least.min(*d), most.max(*d))
+                (smaller(least, *d), larger(most, *d))
             });
-        let t_min = probes.iter().fold(0.0, |t, probe| probe.t_min.max(t));
+        let t_min = probes.iter().fold(0.0, |t, probe| larger(probe.t_min, t));
         let reach = FAR * f64::from(root.bvh.extent());
         if !(extent <= reach && max_abs(light) <= reach && t_min <= 0.1 * f64::from(BEFORE_END) * nearest) {
             return false;
@@ -142,7 +142,7 @@ impl World<'_> {
         }
         let search = Search {
             extent: root.extent,
-            t_min: probes.iter().map(|probe| probe.t_min).fold(first.t_min, f64::max),
+            t_min: probes.iter().map(|probe| probe.t_min).fold(first.t_min, larger),
             skip: u32::try_from(first.start).unwrap_or(NONE),
             ends: None,
         };

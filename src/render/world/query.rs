@@ -2,7 +2,7 @@
 
 use crate::{
     accel::HasRay,
-    math::{Ray, max_abs},
+    math::{Ray, larger, max_abs},
     shape::{Crossings, triangle::TriangleHit},
 };
 
@@ -50,7 +50,7 @@ impl Probe {
     /// The start's own crossing is left out by number, so the least distance need only cover the rounding of
     /// the start, some 1e-15 of `scale`, in front of *other* surfaces.
     pub(crate) fn from_surface(ray: Ray, start: u64, scale: f64) -> Self {
-        let scale = scale.max(max_abs(ray.origin));
+        let scale = larger(scale, max_abs(ray.origin));
         Self {
             ray,
             t_min: 1e-10 * scale,

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     color::Color,
-    math::{DAffine3, DVec2, DVec3, Ray, max_abs},
+    math::{DAffine3, DVec2, DVec3, Ray, larger, max_abs},
     render::microfacet::frame,
     scene::{Attribute, Footprint, Material, MaterialId, Object, Term, TexturePoint},
 };
@@ -243,7 +243,7 @@ impl<'s> World<'s> {
             geometric_normal,
             from_front,
             material: scene.materials.get(material.index())?,
-            scale: max_abs(ray.origin).max(max_abs(position)),
+            scale: larger(max_abs(ray.origin), max_abs(position)),
             uv: local.uv,
             object_position: local.object_position,
             object_normal: local.object_normal,

@@ -13,7 +13,7 @@ use crate::{
         self, BLOCK, Child, Control, Few, Lanes, LeafKind, NONE, Range, Ray32, RayBlock, RayBox, RayCuboid,
         RaySphere, Spot, Task, Triangles, Visitor,
     },
-    math::Ray,
+    math::{Ray, smaller},
     shape::triangle::TriangleRay,
 };
 
@@ -150,7 +150,7 @@ impl<const ANY: bool> Task for LevelTask<'_, '_, '_, '_, ANY> {
         let ray_box = RayBox::new(&ray32, level.bvh.extent());
         let mut search = LevelSearch::new(exact, &ray32);
         let possible = search.range.possible;
-        let bound = nearer(search.range.bound, bound);
+        let bound = smaller(search.range.bound, bound);
         level
             .bvh
             .traverse_with::<_, ANY>(lanes, from, &ray_box, possible, bound, &mut search);
@@ -166,7 +166,7 @@ impl<const ANY: bool> Task for LevelTask<'_, '_, '_, '_, ANY> {
 pub(super) fn range(t_min: f64, t_max: f64) -> Range {
     Range {
         // Twice as far as the exact bound, for the rounding of tests in f32 where t is negative.
-        possible: 2.0 * nearer(t_min as f32, 0.0),
+        possible: 2.0 * smaller(t_min as f32, 0.0),
         bound: above(t_max),
         certain: [above(t_min), below(t_max)],
     }
@@ -182,12 +182,6 @@ pub(super) fn above(t: f64) -> f32 {
 #[inline(always)]
 fn below(t: f64) -> f32 {
     t as f32 * (1.0 - 2.0 * f32::EPSILON)
-}
-
-/// The smaller, and the second where either is NaN: one operation.
-#[inline(always)]
-fn nearer(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
 }
 
 /// The lanes whose bits are set.
@@ -286,7 +280,7 @@ impl<'t, 'a, 's, 'p, const ANY: bool> LevelSearch<'t, 'a, 's, 'p, ANY> {
     /// Lowers the bound to the best hit so far.
     #[inline(always)]
     fn lower(&self, bound: &mut f32) {
-        *bound = nearer(above(self.exact.query.best.t), *bound);
+        *bound = smaller(above(self.exact.query.best.t), *bound);
     }
 
     #[inline(always)]
@@ -314,7 +308,7 @@ impl<'t, 'a, 's, 'p, const ANY: bool> LevelSearch<'t, 'a, 's, 'p, ANY> {
             }
             let mut least = f32::NEG_INFINITY;
             if found.certain >> lane & 1 == 1 {
-                *bound = nearer(t_most[lane], *bound);
+                *bound = smaller(t_most[lane], *bound);
                 least = t_least[lane];
             }
             let spot = Spot::new(at, lane);
@@ -450,7 +444,7 @@ impl<'t, 'a, 's, 'p, const ANY: bool> LevelSearch<'t, 'a, 's, 'p, ANY> {
         let [least, most] = found.t;
         for lane in lanes_of(found.certain) {
             if block.ids[lane] != self.start {
-                *bound = nearer(most[lane], *bound);
+                *bound = smaller(most[lane], *bound);
             }
         }
         for lane in lanes_of(found.possible) {
