@@ -22,12 +22,18 @@ pub(crate) const fn mix(x: u64) -> u64 {
     x ^ (x >> 31)
 }
 
+/// The hash of no numbers.
+const NO_HASH: u64 = 0x6e6f_6973_6500_0000;
+
+/// The hash of some whole numbers and one more, from theirs.
+const fn hash_with(hash: u64, c: i64) -> u64 {
+    mix(hash ^ c.cast_unsigned().wrapping_mul(0x9e37_79b9_7f4a_7c15))
+}
+
 /// Three whole numbers to 64 well-mixed bits.
 #[must_use]
 pub(crate) fn hash(x: i64, y: i64, z: i64) -> u64 {
-    [x, y, z].into_iter().fold(0x6e6f_6973_6500_0000, |h, c| {
-        mix(h ^ c.cast_unsigned().wrapping_mul(0x9e37_79b9_7f4a_7c15))
-    })
+    [x, y, z].into_iter().fold(NO_HASH, hash_with)
 }
 
 /// The upper bits of a hash as a number in [0, 1).
@@ -55,20 +61,48 @@ fn within(p: DVec3) -> DVec3 {
 /// ```
 #[must_use]
 pub fn perlin(p: DVec3) -> f64 {
-    let p = within(p);
-    let cell = p.floor();
-    in_cell(cell.to_array().map(|c| c as i64), (p - cell).to_array())
+    let (cell, f) = cell_of(within(p));
+    in_cell(cell, f)
+}
+
+/// The unit cell that a point is in, by its least corner, and where the point is from there.
+#[inline]
+pub(crate) fn cell_of(p: DVec3) -> ([i64; 3], [f64; 3]) {
+    let [(i, x), (j, y), (k, z)] = p.to_array().map(|p| {
+        // `floor` is a call where a program is built for every processor.
+        if p.abs() < REACH {
+            let towards_zero = p as i64;
+            let cell = towards_zero - i64::from(towards_zero as f64 > p);
+            // Of minus zero it is zero.
+            (cell, p - cell as f64 + 0.0)
+        } else {
+            let cell = p.floor();
+            (cell as i64, p - cell)
+        }
+    });
+    ([i, j, k], [x, y, z])
 }
 
 /// What gradient noise needs of a number: a value, or one that knows its gradient.
 pub(crate) trait Number:
     Copy + From<f64> + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
+    /// One of two numbers, the second where `is_second`, with its sign changed where `is_negative`.
+    #[inline(always)]
+    fn chosen([first, second]: [Self; 2], is_second: bool, is_negative: bool) -> Self {
+        let one = if is_second { second } else { first };
+        if is_negative { -one } else { one }
+    }
 }
 
-impl<T> Number for T where
-    T: Copy + From<f64> + Add<Output = T> + Sub<Output = T> + Mul<Output = T> + Neg<Output = T>
-{
+impl Number for f64 {
+    /// In bits: what depends on a hash cannot be foreseen, so that a branch on it would be taken back every other time.
+    #[inline(always)]
+    fn chosen(two: [Self; 2], is_second: bool, is_negative: bool) -> Self {
+        let [first, second] = two.map(Self::to_bits);
+        let mask = u64::from(is_second).wrapping_neg();
+        Self::from_bits(first ^ ((first ^ second) & mask) ^ u64::from(is_negative) << 63)
+    }
 }
 
 /// [`perlin`] in the unit cell with this least corner, at `f` from there.
@@ -76,25 +110,31 @@ pub(crate) fn in_cell<T: Number>([i, j, k]: [i64; 3], f: [T; 3]) -> T {
     let number = T::from;
     let fade = f.map(|t| t * t * t * (t * (t * number(6.0) - number(15.0)) + number(10.0)));
     let lerp = |a: T, b: T, t: T| a + (b - a) * t;
-    let corner = |x: i64, y: i64, z: i64| {
-        let hash = hash(i.wrapping_add(x), j.wrapping_add(y), k.wrapping_add(z));
-        let [dx, dy, dz] = [(f[0], x), (f[1], y), (f[2], z)].map(|(f, c)| f - number(c as f64));
-        slope(hash, [dx, dy, dz])
-    };
-    let along_x = |y, z| lerp(corner(0, y, z), corner(1, y, z), fade[0]);
-    let along_y = |z| lerp(along_x(0, z), along_x(1, z), fade[1]);
-    lerp(along_y(0), along_y(1), fade[2])
+    // The two sides of the cell across each axis.
+    let [across_x, across_y, across_z] = [i, j, k]
+        .map(|c| [c, c.wrapping_add(1)])
+        .map(|[low, high]| [(low, 0.0), (high, 1.0)]);
+    let [x, y, z] = f;
+    // Corners share what is known of their first coordinates.
+    let along_z = across_x.map(|(i, left)| {
+        let (hash, x) = (hash_with(NO_HASH, i), x - number(left));
+        across_y.map(|(j, below)| {
+            let (hash, y) = (hash_with(hash, j), y - number(below));
+            across_z.map(|(k, before)| slope(hash_with(hash, k), [x, y, z - number(before)]))
+        })
+    });
+    let [low, high] = [0, 1].map(|z| {
+        let [low, high] = [0, 1].map(|y| lerp(along_z[0][y][z], along_z[1][y][z], fade[0]));
+        lerp(low, high, fade[1])
+    });
+    lerp(low, high, fade[2])
 }
 
 /// The dot product of a vector with one of the directions to the middles of a cube's twelve edges.
 fn slope<T: Number>(hash: u64, [x, y, z]: [T; 3]) -> T {
-    let [a, b] = match hash % 12 / 4 {
-        0 => [x, y],
-        1 => [x, z],
-        _ => [y, z],
-    };
-    let signed = |bit: u64, x: T| if hash & bit == 0 { x } else { -x };
-    signed(1, a) + signed(2, b)
+    let edge = hash % 12;
+    // Across x and y, x and z, y and z.
+    T::chosen([x, y], edge >= 8, hash & 1 != 0) + T::chosen([y, z], edge >= 4, hash & 2 != 0)
 }
 
 /// Simplex noise between -1 and 1 with the same twelve gradients: less bound to the axes than [`perlin`] (Perlin, "Noise
@@ -326,6 +366,45 @@ mod tests {
         );
         assert_eq!(perlin(DVec3::new(3.0, -7.0, 12.0)), 0.0);
         assert_ne!(perlin(DVec3::splat(0.5)), perlin(DVec3::splat(256.5)));
+    }
+
+    #[test]
+    fn cells_are_those_that_floor_finds() {
+        let of_floor = |p: f64| (p.floor() as i64, (p - p.floor()).to_bits());
+        let sizes = [1e-300, 1e-9, 0.5, 1.0, 3.0, 1e6, REACH, 1e15, 1e18, 1e19, 1e300];
+        for x in points().flat_map(|p| p.to_array()).chain([0.0, f64::INFINITY]) {
+            for p in sizes
+                .map(|size| x * size)
+                .into_iter()
+                .flat_map(|p| [p, -p, p.round(), -p.round()])
+            {
+                let (cell, f) = cell_of(DVec3::new(p, 0.0, -0.0));
+                let found = (cell[0], f[0].to_bits());
+                assert!(found == of_floor(p) || p.is_infinite() && f[0].is_nan(), "{p:e}");
+                assert_eq!((&cell[1..], f[1].to_bits(), f[2].to_bits()), (&[0, 0][..], 0, 0));
+            }
+        }
+    }
+
+    /// [`in_cell`] as its formula has it, a corner at a time.
+    #[test]
+    fn noise_is_the_blend_of_its_corners() {
+        for p in points().map(|p| p * 0.9) {
+            let (cell, f) = cell_of(p);
+            let corner = |c: [i64; 3]| {
+                let [i, j, k] = [0, 1, 2].map(|axis| cell[axis] + c[axis]);
+                let hash = hash(i, j, k);
+                let [x, y, z] = [0, 1, 2].map(|axis| f[axis] - c[axis] as f64);
+                let [a, b] = [[x, y], [x, z], [y, z]][(hash % 12 / 4) as usize];
+                (if hash & 1 == 0 { a } else { -a }) + (if hash & 2 == 0 { b } else { -b })
+            };
+            let fade = f.map(|t| t * t * t * (t * (t * 6.0 - 15.0) + 10.0));
+            let lerp = |a: f64, b: f64, t: f64| a + (b - a) * t;
+            let along_x = |y, z| lerp(corner([0, y, z]), corner([1, y, z]), fade[0]);
+            let along_y = |z| lerp(along_x(0, z), along_x(1, z), fade[1]);
+            let blend = lerp(along_y(0), along_y(1), fade[2]);
+            assert_eq!(perlin(p).to_bits(), blend.to_bits(), "{p}");
+        }
     }
 
     #[test]

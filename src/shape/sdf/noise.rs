@@ -1,7 +1,10 @@
 //! The noise of the language, with its gradient and with bounds of both.
 
 use super::interval::Interval;
-use crate::{math::DVec3, noise::in_cell};
+use crate::{
+    math::DVec3,
+    noise::{cell_of, in_cell},
+};
 
 /// No value is beyond this, nor any slope along an axis: at most 1 by the gradients themselves, and 15/8, the steepest of
 /// the fade, times a difference of at most 3 between two sides of a cell.
@@ -17,21 +20,20 @@ const ROUNDING: f64 = 1e-12;
 
 /// The noise at a point.
 pub(super) fn value(p: DVec3) -> f64 {
-    let cell = p.floor();
-    in_cell(cell.to_array().map(|c| c as i64), (p - cell).to_array())
+    let (cell, f) = cell_of(p);
+    in_cell(cell, f)
 }
 
 /// The noise and its gradient.
 pub(super) fn gradient(p: DVec3) -> (f64, DVec3) {
     use super::scalar::Gradient;
-    let cell = p.floor();
-    let f = (p - cell).to_array();
+    let (cell, f) = cell_of(p);
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let [x, y, z] = [0, 1, 2].map(|i: usize| Gradient {
         v: f.get(i).copied().unwrap_or(0.0),
         d: axes.get(i).copied().unwrap_or(DVec3::ZERO),
     });
-    let found = in_cell(cell.to_array().map(|c| c as i64), [x, y, z]);
+    let found = in_cell(cell, [x, y, z]);
     (found.v, found.d)
 }
 
