@@ -11,40 +11,35 @@ use super::mix;
 #[inline(never)]
 pub(super) fn number(key: u64, index: u32, dimension: u64) -> f64 {
     let pair = mix(key ^ mix(dimension >> 1));
-    let shuffled = scrambled(index, pair as u32);
-    let point = match dimension & 1 {
-        0 => shuffled.reverse_bits(),
-        _ => second(shuffled),
+    let shuffled = scrambled(index.reverse_bits(), pair as u32).reverse_bits();
+    let reversed = match dimension & 1 {
+        0 => shuffled,
+        _ => second_reversed(shuffled),
     };
     let seed = mix(pair ^ (dimension & 1)) >> 32;
-    f64::from(scrambled(point, seed as u32)) * (1.0 / (1u64 << 32) as f64)
+    f64::from(scrambled(reversed, seed as u32).reverse_bits()) * (1.0 / (1u64 << 32) as f64)
 }
 
-/// Sobol's second dimension in 32 bits, whose direction numbers are Pascal's triangle modulo 2. The first dimension is the
-/// number with its bits reversed.
-fn second(mut index: u32) -> u32 {
-    let mut direction = 1 << 31;
-    let mut point = 0;
-    while index != 0 {
-        if index & 1 == 1 {
-            point ^= direction;
-        }
-        index >>= 1;
-        direction ^= direction >> 1;
-    }
-    point
+/// Sobol's second dimension in 32 bits with the last one first, as the scrambling wants it; of the first dimension that is
+/// the number itself. Bit k of the number adds row k of Pascal's triangle modulo 2, which is the product of a factor for each
+/// bit of k (Lucas, 1878).
+const fn second_reversed(mut x: u32) -> u32 {
+    x ^= (x & 0xaaaa_aaaa) >> 1;
+    x ^= (x & 0xcccc_cccc) >> 2;
+    x ^= (x & 0xf0f0_f0f0) >> 4;
+    x ^= (x & 0xff00_ff00) >> 8;
+    x ^ x >> 16
 }
 
-/// Owen's scrambling by a hash: each bit is flipped or not, depending on the bits above it alone, so that points that
-/// share an elementary interval go on sharing one (Owen, "Randomly permuted (t,m,s)-nets and (t,s)-sequences", 1995; the
-/// hash is that of Laine and Karras, 2011, as Burley has it).
-fn scrambled(x: u32, seed: u32) -> u32 {
-    let mut x = x.reverse_bits();
-    x = x.wrapping_add(seed);
+/// Owen's scrambling by a hash of a number whose bits are reversed: each bit is flipped or not, depending on those below it
+/// alone, so that points that share an elementary interval go on sharing one (Owen, "Randomly permuted (t,m,s)-nets and
+/// (t,s)-sequences", 1995; the hash is that of Laine and Karras, 2011, as Burley has it).
+fn scrambled(reversed: u32, seed: u32) -> u32 {
+    let mut x = reversed.wrapping_add(seed);
     for factor in [0x6c50_b47c_u32, 0xb82f_1e52, 0xc7af_e638, 0x8d22_f6e6] {
         x ^= x.wrapping_mul(factor);
     }
-    x.reverse_bits()
+    x
 }
 
 #[cfg(test)]
@@ -84,14 +79,30 @@ mod tests {
     }
 
     #[test]
-    fn scrambling_flips_bits_by_those_above_them() {
+    fn scrambling_flips_bits_by_those_below_them() {
         for seed in [1, 77, 0x8000_0000, u32::MAX] {
             for x in [0, 1, 0x1234_5678, 0xffff_0000] {
                 for bit in 0..32 {
                     let flipped = scrambled(x, seed) ^ scrambled(x ^ (1 << bit), seed);
-                    assert_eq!(flipped >> bit, 1, "bit {bit} of {x:x}");
+                    assert_eq!(flipped << (31 - bit), 1 << 31, "bit {bit} of {x:x}");
                 }
             }
+        }
+    }
+
+    /// With Sobol's direction numbers, one for each bit.
+    #[test]
+    fn the_second_dimension_is_sobols() {
+        for i in 0..10_000u32 {
+            let index = i.wrapping_mul(0x9e37_79b9);
+            let (mut direction, mut point) = (1u32 << 31, 0);
+            for bit in 0..32 {
+                if index >> bit & 1 == 1 {
+                    point ^= direction;
+                }
+                direction ^= direction >> 1;
+            }
+            assert_eq!(second_reversed(index).reverse_bits(), point, "{index:x}");
         }
     }
 
