@@ -129,15 +129,14 @@ impl Ggx {
         h / h.length()
     }
 
-    /// What a lamp's light from `to_light` adds to what is seen from `to_eye` by the mirrors themselves, Fresnel's factor left out:
-    /// pi D G / (4 cos). The pi is that of this program's lamps, whose light a white matt surface sends on whole.
-    pub(super) fn highlight(&self, to_eye: DVec3, to_light: DVec3) -> f64 {
+    /// What a lamp's light from `to_light` adds to what is seen from `to_eye` by the mirrors themselves, those with the normal
+    /// `half` between the two, Fresnel's factor left out: pi D G / (4 cos). The pi is that of this program's lamps, whose light a
+    /// white matt surface sends on whole.
+    pub(super) fn highlight(&self, to_eye: DVec3, to_light: DVec3, half: DVec3) -> f64 {
         if to_eye.z <= 0.0 || to_light.z <= 0.0 {
             return 0.0;
         }
-        let h = to_eye + to_light;
-        let h = h / h.length();
-        PI * self.d(h) * self.g(to_eye, to_light) / (4.0 * to_eye.z)
+        PI * self.d(half) * self.g(to_eye, to_light) / (4.0 * to_eye.z)
     }
 }
 

@@ -93,8 +93,11 @@ pub(super) struct Polished<'s> {
     /// The normal and two directions across it.
     frame: [DVec3; 3],
     geometric_normal: DVec3,
-    to_eye: DVec3,
+    /// Whoever looks, in the frame; never from behind the normal, where relief leans away.
+    eye: DVec3,
     diffuse: Color,
+    /// The share of light that goes in at the eye's angle, which is what may come out there; black where Kd is.
+    inward: Color,
     specular: Color,
     exponent: Exponent,
     mirror: Color,
@@ -104,7 +107,7 @@ pub(super) struct Polished<'s> {
     boost: Option<Color>,
     /// Index of refraction and absorption coefficient of a metal.
     metal: Option<[Color; 2]>,
-    /// Roughness of Kd in degrees.
+    /// Roughness of Kd in radians.
     sigma: f64,
     /// What is on top, as seen from outside.
     varnish: Option<Varnish>,
@@ -166,16 +169,20 @@ impl<'s> Polished<'s> {
         };
         let n = at.shading_normal;
         let (t, b) = frame(n);
+        let frame = [t, b, n];
+        let eye = local(&frame, -ray.dir);
+        let eye = DVec3::new(eye.x, eye.y, eye.z.max(1e-4));
         let roughness = finish
             .roughness
             .as_ref()
             .map(|roughness| finish_mean(term(roughness)));
         let mut polished = Self {
             finish,
-            frame: [t, b, n],
+            frame,
             geometric_normal: at.geometric_normal,
-            to_eye: -ray.dir,
+            eye: eye / eye.length(),
             diffuse: term(&material.diffuse),
+            inward: Color::ZERO,
             specular,
             exponent: Exponent::new(finish.shininess.as_ref().map_or(material.shininess, |shininess| {
                 number(world, shininess, at, [0.0, f64::INFINITY])
@@ -188,7 +195,7 @@ impl<'s> Polished<'s> {
             sigma: finish
                 .oren_nayar
                 .as_ref()
-                .map_or(0.0, |sigma| number(world, sigma, at, Finish::SIGMA)),
+                .map_or(0.0, |sigma| number(world, sigma, at, Finish::SIGMA).to_radians()),
             varnish: finish
                 .clear_coat
                 .as_ref()
@@ -202,34 +209,24 @@ impl<'s> Polished<'s> {
             inside,
             behind,
         };
+        if polished.diffuse != Color::ZERO {
+            (_, polished.inward) = polished.shares(polished.eye.z);
+        }
         if finish.multiscatter
             && let Some(roughness) =
                 roughness.filter(|_| polished.rough.is_some() && transmission == Color::ZERO)
         {
-            polished.boost = Some(compensation(roughness, polished.eye().z, |cosine| {
+            polished.boost = Some(compensation(roughness, polished.eye.z, |cosine| {
                 polished.mirror * polished.shares(cosine).0
             }));
         }
         polished
     }
 
-    fn local(&self, v: DVec3) -> DVec3 {
-        let [t, b, n] = self.frame;
-        let local = DVec3::new(v.dot(t), v.dot(b), v.dot(n));
-        local / local.length()
-    }
-
     fn world(&self, v: DVec3) -> DVec3 {
         let [t, b, n] = self.frame;
         let world = t * v.x + b * v.y + n * v.z;
         world / world.length()
-    }
-
-    /// Whoever looks, in the frame of the normal; never from behind it, where relief leans away.
-    fn eye(&self) -> DVec3 {
-        let eye = self.local(self.to_eye);
-        let up = DVec3::new(eye.x, eye.y, eye.z.max(1e-4));
-        up / up.length()
     }
 
     /// The share that goes to the mirror, and the share that goes in.
@@ -254,39 +251,44 @@ impl<'s> Polished<'s> {
     /// The color of light from the unit vector `to_light` that leaves towards the eye. Of light that rays meet, too, only what
     /// no ray is followed for: the same light would count twice.
     fn answer(&self, to_light: DVec3, is_met_by_rays: bool) -> Color {
-        let (eye, light) = (self.eye(), self.local(to_light));
-        let half = eye + light;
-        let half = if half.length_squared() > 1e-18 {
-            half / half.length()
-        } else {
-            DVec3::Z
-        };
-        let cosine = eye.dot(half);
-        // What goes in at the eye's angle is what may come out there.
-        let (_, inward) = self.shares(eye.z);
-        let sigma = self.sigma.to_radians();
-        let mut sum = self.diffuse * inward * oren_nayar(sigma, eye, light);
-        let (mirrored, _) = self.shares(cosine);
-        let specular = if is_met_by_rays {
-            highlight_without_mirror(self.specular, self.mirror)
-        } else {
-            self.specular
+        let (eye, light) = (self.eye, local(&self.frame, to_light));
+        let mut sum = self.diffuse * self.inward * oren_nayar(self.sigma, eye, light);
+        let half = || {
+            let half = eye + light;
+            if half.length_squared() > 1e-18 {
+                half / half.length()
+            } else {
+                DVec3::Z
+            }
         };
         match &self.rough {
             Some(_) if is_met_by_rays => {}
             Some(rough) => {
+                let half = half();
+                let (mirrored, _) = self.shares(eye.dot(half));
                 let boosted = self.boost.map_or(mirrored, |boost| mirrored * boost);
-                sum += self.mirror * boosted * rough.highlight(eye, light);
+                sum += self.mirror * boosted * rough.highlight(eye, light, half);
             }
-            None if specular != Color::ZERO && half.z > 0.0 => {
-                sum += specular * mirrored * self.exponent.of(half.z.min(1.0));
+            None => {
+                let specular = if is_met_by_rays {
+                    highlight_without_mirror(self.specular, self.mirror)
+                } else {
+                    self.specular
+                };
+                if specular != Color::ZERO {
+                    let half = half();
+                    if half.z > 0.0 {
+                        let (mirrored, _) = self.shares(eye.dot(half));
+                        sum += specular * mirrored * self.exponent.of(half.z.min(1.0));
+                    }
+                }
             }
-            None => {}
         }
         if let Some(varnish) = &self.varnish {
             sum *= 1.0 - self.coat(eye.z);
             if let Some(rough) = varnish.rough.filter(|_| !is_met_by_rays) {
-                sum += Color::splat(self.coat(cosine) * rough.highlight(eye, light));
+                let half = half();
+                sum += Color::splat(self.coat(eye.dot(half)) * rough.highlight(eye, light, half));
             }
         }
         sum
@@ -322,7 +324,7 @@ impl<'s> Polished<'s> {
         observer: &mut O,
     ) -> (Option<Branch>, Option<Branch>) {
         let pair = |cell: u64| DVec2::new(path.of_surface(cell), path.of_surface(cell + 1));
-        let eye = self.eye();
+        let eye = self.eye;
         let h = match &self.rough {
             Some(rough) => rough.visible(eye, pair(REFLECTED)),
             None => DVec3::Z,
@@ -397,6 +399,12 @@ impl<'s> Polished<'s> {
         }
         (mirror, through)
     }
+}
+
+/// The direction of a vector in a frame.
+fn local([t, b, n]: &[DVec3; 3], v: DVec3) -> DVec3 {
+    let local = DVec3::new(v.dot(*t), v.dot(*b), v.dot(*n));
+    local / local.length()
 }
 
 /// The varnish's index of refraction.
