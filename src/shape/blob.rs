@@ -2,7 +2,7 @@
 
 use super::{
     CrossingSink, Solidity, Surface, coordinate,
-    pieces::{Framed, Line, holds, line_meets},
+    pieces::{Framed, Line, LineOfBoxes, holds},
     positive,
     roots::{Bernstein, product},
     u_around_y,
@@ -187,8 +187,9 @@ impl Blob {
             return;
         };
         let mut stretches = Vec::new();
+        let boxes = LineOfBoxes::new(&line.ray);
         self.framed.each(
-            |b| line_meets(&line.ray, b),
+            |b| boxes.meets(b),
             |_, part| add_stretches(part, &line, &mut stretches),
         );
         stretches.sort_by(|a, b| a.from.total_cmp(&b.from).then(a.to.total_cmp(&b.to)));

@@ -1,6 +1,6 @@
 //! A hierarchy of boxes over the pieces of one shape.
 
-use crate::math::{Bounds3, DVec2, DVec3, Ray};
+use crate::math::{Bounds3, DVec2, DVec3, Ray, larger, smaller};
 
 /// Boxes around boxes around pieces, so that a line looks at few pieces of many. The boxes are a little wider than what
 /// they hold: no rounding may hide a piece that a crossing is on.
@@ -89,27 +89,37 @@ impl Tree {
     }
 }
 
-/// Whether the ray's whole line meets a box.
-pub(super) fn line_meets(ray: &Ray, b: &Bounds3) -> bool {
-    let (mut lo, mut hi) = (f64::NEG_INFINITY, f64::INFINITY);
-    for ((o, d), (min, max)) in ray
-        .origin
-        .to_array()
-        .into_iter()
-        .zip(ray.dir.to_array())
-        .zip(b.min.to_array().into_iter().zip(b.max.to_array()))
-    {
-        if d == 0.0 {
-            if !(min <= o && o <= max) {
-                return false;
-            }
-            continue;
+/// A whole line, prepared to be asked which boxes it meets. It is that of a [`Line`], of the size of the boxes.
+pub(super) struct LineOfBoxes {
+    origin: DVec3,
+    /// Of the direction, at most [`STEEPEST`] along an axis that the line is perpendicular to.
+    inverse: DVec3,
+}
+
+/// Products with it are beyond any way along the line, and products of zero are zero.
+const STEEPEST: f64 = 1e30;
+
+impl LineOfBoxes {
+    pub(super) fn new(ray: &Ray) -> Self {
+        let inverse = |d: f64| smaller(larger(1.0 / d, -STEEPEST), STEEPEST);
+        Self {
+            origin: ray.origin,
+            inverse: DVec3::new(inverse(ray.dir.x), inverse(ray.dir.y), inverse(ray.dir.z)),
         }
-        let (t0, t1) = ((min - o) / d, (max - o) / d);
-        lo = lo.max(t0.min(t1));
-        hi = hi.min(t0.max(t1));
     }
-    lo <= hi
+
+    /// Whether it meets a box. Of what is rounded here the boxes' margin is many times as much.
+    #[inline]
+    pub(super) fn meets(&self, b: &Bounds3) -> bool {
+        let (low, high) = (
+            (b.min - self.origin) * self.inverse,
+            (b.max - self.origin) * self.inverse,
+        );
+        let [x, y, z] = [(low.x, high.x), (low.y, high.y), (low.z, high.z)];
+        let (nearer, farther) = (|(a, b)| smaller(a, b), |(a, b)| larger(a, b));
+        larger(larger(nearer(x), nearer(y)), nearer(z))
+            <= smaller(smaller(farther(x), farther(y)), farther(z))
+    }
 }
 
 /// Whether the line in x and z through `o` along `d` meets a box of any height: its middle is no farther from the line
@@ -278,8 +288,8 @@ impl Line {
                 continue;
             }
             let (a, b) = ((-half - o) / d, (half - o) / d);
-            lo = lo.max(a.min(b));
-            hi = hi.min(a.max(b));
+            lo = larger(lo, smaller(a, b));
+            hi = smaller(hi, larger(a, b));
         }
         (lo <= hi && lo.is_finite() && hi.is_finite()).then_some((lo, hi))
     }
@@ -301,13 +311,17 @@ mod tests {
                 .collect();
             let tree = Tree::new(&bounds);
             for _ in 0..500 {
-                let ray = Ray::new(rng.in_cube() * 3.0, rng.direction());
+                let mut dir = rng.direction();
+                if rng.unit() < 0.5 {
+                    dir[n % 3] = 0.0;
+                }
+                let line = LineOfBoxes::new(&Ray::new(rng.in_cube() * 3.0, dir));
                 let mut visited = Vec::new();
-                tree.each(|b| line_meets(&ray, b), |i| visited.push(i));
+                tree.each(|b| line.meets(b), |i| visited.push(i));
                 visited.sort_unstable();
                 assert!(visited.is_sorted_by(|a, b| a < b), "twice: {visited:?}");
                 for (i, b) in bounds.iter().enumerate() {
-                    assert!(!line_meets(&ray, b) || visited.contains(&(i as u32)));
+                    assert!(!line.meets(b) || visited.contains(&(i as u32)));
                 }
                 assert!(visited.len() <= 20, "most of 200 are passed by");
             }

@@ -2,7 +2,7 @@
 
 use super::{CrossingSink, Cuboid, Solidity, Surface, pieces::Frame, positive, roots::root_between};
 use crate::{
-    math::{Bounds3, DVec3, Ray},
+    math::{Bounds3, DVec3, Ray, larger, smaller},
     scene::SceneError,
 };
 
@@ -119,7 +119,8 @@ pub(super) fn cross_around(half: DVec3, radius: f64, ray: &Ray, out: &mut impl C
     };
     let value = |way: f64| {
         let p = o + d * way;
-        let off = p - p.clamp(-half, half);
+        let within = |x: f64, half: f64| smaller(larger(x, -half), half);
+        let off = p - DVec3::new(within(p.x, half.x), within(p.y, half.y), within(p.z, half.z));
         (off.dot(off) - radius * radius, 2.0 * off.dot(d))
     };
     let mut ends = [hi; 7];

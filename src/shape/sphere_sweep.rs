@@ -2,7 +2,7 @@
 
 use super::{
     CrossingSink, Solidity, Surface, coordinates,
-    pieces::{Framed, Line, line_meets},
+    pieces::{Framed, Line, LineOfBoxes},
     roots::{Bernstein, derivative, nearest, product, sharpened},
 };
 use crate::{
@@ -121,8 +121,9 @@ impl SphereSweep {
             return;
         };
         let mut runs = Vec::new();
+        let boxes = LineOfBoxes::new(&line.ray);
         self.path.each(
-            |b| line_meets(&line.ray, b),
+            |b| boxes.meets(b),
             |i, piece| runs_inside(piece, i, &line, &mut runs),
         );
         runs.sort_by(|a, b| a.from.total_cmp(&b.from).then(a.piece.cmp(&b.piece)));
