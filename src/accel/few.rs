@@ -38,6 +38,21 @@ impl<T: Copy, const N: usize> Few<T, N> {
         }
     }
 
+    /// The values, in the order in which they came.
+    #[inline(always)]
+    #[must_use]
+    pub fn as_slice(&self) -> &[T] {
+        let written = self.values.get(..self.len).unwrap_or_default();
+        // SAFETY: `push` wrote the first `len` values, and one that may be uninitialized has the layout of one that is not.
+        unsafe { &*(std::ptr::from_ref(written) as *const [T]) }
+    }
+
+    /// Forgets all values.
+    #[inline(always)]
+    pub fn clear(&mut self) {
+        self.len = 0;
+    }
+
     /// Takes the value that came last.
     #[inline(always)]
     pub fn pop(&mut self) -> Option<T> {
@@ -61,8 +76,12 @@ mod tests {
             assert_eq!(few.is_full(), value >= 3);
             few.push(value);
         }
+        assert_eq!(few.as_slice(), [0, 1, 2]);
         assert_eq!([(); 4].map(|()| few.pop()), [Some(2), Some(1), Some(0), None]);
         few.push(7);
         assert_eq!((few.pop(), few.pop()), (Some(7), None));
+        few.push(8);
+        few.clear();
+        assert!(few.as_slice().is_empty() && few.pop().is_none());
     }
 }

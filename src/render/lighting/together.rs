@@ -5,8 +5,9 @@ use super::{
     area::{Samples, three_arrays},
 };
 use crate::{
-    accel::Exact,
+    accel::{Exact, Few},
     color::Color,
+    math::DVec3,
     render::{
         observe::Arrived,
         world::{Blocker, PACKET, Probe},
@@ -16,24 +17,40 @@ use crate::{
 /// Points of an area light whose shadow rays are traced together.
 pub(super) struct Together<'l, 'a> {
     lit: &'l Lit<'a>,
-    len: usize,
-    probes: [Probe; PACKET],
-    reach: [f64; PACKET],
+    probes: Few<Probe, PACKET>,
+    reach: Few<f64, PACKET>,
     /// What arrives where nothing is in between, and what the surface makes of it.
-    arriving: [Color; PACKET],
-    response: [Color; PACKET],
+    light: Few<(Color, Color), PACKET>,
 }
 
 impl<'l, 'a> Together<'l, 'a> {
+    #[inline(always)]
     pub(super) fn new(lit: &'l Lit<'a>) -> Self {
-        let (probe, reach) = lit.shadow_ray(lit.at.shading_normal, 0.0);
         Self {
             lit,
-            len: 0,
-            probes: [probe; PACKET],
-            reach: [reach; PACKET],
-            arriving: [Color::ZERO; PACKET],
-            response: [Color::ZERO; PACKET],
+            probes: Few::empty(),
+            reach: Few::empty(),
+            light: Few::empty(),
+        }
+    }
+
+    /// Lets a shadow ray wait, or traces all that do.
+    #[inline(always)]
+    fn wait<O: Observer>(
+        &mut self,
+        sum: &mut Color,
+        (towards, distance): (DVec3, f64),
+        light: (Color, Color),
+        counts: &mut Counts,
+        observer: &mut O,
+    ) {
+        counts.shadow += 1;
+        let (probe, reach) = self.lit.shadow_ray(towards, distance);
+        self.probes.push(probe);
+        self.reach.push(reach);
+        self.light.push(light);
+        if self.probes.is_full() {
+            self.finish(sum, observer);
         }
     }
 
@@ -54,15 +71,8 @@ impl<'l, 'a> Together<'l, 'a> {
             if response == Color::ZERO {
                 continue;
             }
-            counts.shadow += 1;
-            let at = self.len % PACKET;
-            (self.probes[at], self.reach[at]) = self.lit.shadow_ray(towards, distance);
-            self.arriving[at] = color * share;
-            self.response[at] = response;
-            self.len += 1;
-            if self.len == PACKET {
-                self.finish(sum, observer);
-            }
+            let light = (color * share, response);
+            self.wait(sum, (towards, distance), light, counts, observer);
         }
     }
 
@@ -78,38 +88,37 @@ impl<'l, 'a> Together<'l, 'a> {
         if response == Color::ZERO {
             return;
         }
-        counts.shadow += 1;
-        let at = self.len % PACKET;
-        (self.probes[at], self.reach[at]) = self.lit.shadow_ray(sent.towards, sent.distance);
-        (self.arriving[at], self.response[at]) = (sent.arriving, response);
-        self.len += 1;
-        if self.len == PACKET {
-            self.finish(sum, observer);
-        }
+        let light = (sent.arriving, response);
+        self.wait(sum, (sent.towards, sent.distance), light, counts, observer);
     }
 
     /// Adds what waits, in order.
     pub(super) fn finish<O: Observer>(&mut self, sum: &mut Color, observer: &mut O) {
-        let (len, world) = (self.len.min(PACKET), self.lit.world);
+        let (probes, reach, world) = (self.probes.as_slice(), self.reach.as_slice(), self.lit.world);
         let mut found = [Blocker::None; PACKET];
-        world.blockers(&self.probes[..len], &self.reach[..len], &mut found[..len]);
-        for (i, found) in found[..len].iter().enumerate() {
+        world.blockers(probes, reach, &mut found[..probes.len()]);
+        let lights = self.light.as_slice().iter();
+        for (((probe, &reach), &(arriving, response)), found) in
+            probes.iter().zip(reach).zip(lights).zip(&found)
+        {
             let visible = match found {
                 Blocker::None => Color::ONE,
                 Blocker::Opaque => Color::ZERO,
-                Blocker::Transparent => world.share_through(&self.probes[i], self.reach[i], None),
+                Blocker::Transparent => world.share_through(probe, reach, None),
             };
-            let added = visible * self.arriving[i] * self.response[i];
+            let added = visible * arriving * response;
             let arrived = Arrived {
-                probe: &self.probes[i],
-                reach: self.reach[i],
-                arriving: self.arriving[i],
+                probe,
+                reach,
+                arriving,
                 visible,
                 added,
             };
             observer.arrived(self.lit, &arrived);
             *sum += added;
         }
-        self.len = 0;
+        self.probes.clear();
+        self.reach.clear();
+        self.light.clear();
     }
 }
