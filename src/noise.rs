@@ -26,6 +26,7 @@ pub(crate) const fn mix(x: u64) -> u64 {
 const NO_HASH: u64 = 0x6e6f_6973_6500_0000;
 
 /// The hash of some whole numbers and one more, from theirs.
+#[inline(always)]
 const fn hash_with(hash: u64, c: i64) -> u64 {
     mix(hash ^ c.cast_unsigned().wrapping_mul(0x9e37_79b9_7f4a_7c15))
 }
@@ -110,27 +111,38 @@ pub(crate) fn in_cell<T: Number>([i, j, k]: [i64; 3], f: [T; 3]) -> T {
     let number = T::from;
     let fade = f.map(|t| t * t * t * (t * (t * number(6.0) - number(15.0)) + number(10.0)));
     let lerp = |a: T, b: T, t: T| a + (b - a) * t;
-    // The two sides of the cell across each axis.
-    let [across_x, across_y, across_z] = [i, j, k]
-        .map(|c| [c, c.wrapping_add(1)])
-        .map(|[low, high]| [(low, 0.0), (high, 1.0)]);
-    let [x, y, z] = f;
-    // Corners share what is known of their first coordinates.
-    let along_z = across_x.map(|(i, left)| {
-        let (hash, x) = (hash_with(NO_HASH, i), x - number(left));
-        across_y.map(|(j, below)| {
-            let (hash, y) = (hash_with(hash, j), y - number(below));
-            across_z.map(|(k, before)| slope(hash_with(hash, k), [x, y, z - number(before)]))
+    let [left, right] = sides(NO_HASH, i, f[0]).map(|(hash, x)| {
+        let [low, high] = sides(hash, j, f[1]);
+        [low, high].map(|(hash, y)| {
+            let [before, behind] = sides(hash, k, f[2]);
+            [
+                slope(before.0, [x, y, before.1]),
+                slope(behind.0, [x, y, behind.1]),
+            ]
         })
     });
-    let [low, high] = [0, 1].map(|z| {
-        let [low, high] = [0, 1].map(|y| lerp(along_z[0][y][z], along_z[1][y][z], fade[0]));
+    let across = |z: usize| {
+        let (low, high) = (
+            lerp(left[0][z], right[0][z], fade[0]),
+            lerp(left[1][z], right[1][z], fade[0]),
+        );
         lerp(low, high, fade[1])
-    });
-    lerp(low, high, fade[2])
+    };
+    lerp(across(0), across(1), fade[2])
+}
+
+/// The two sides of a cell that is at `c` along an axis: their hashes, by that of the coordinates before, which the corners
+/// beyond share, and where `f` is from each.
+#[inline(always)]
+fn sides<T: Number>(hash: u64, c: i64, f: T) -> [(u64, T); 2] {
+    [
+        (hash_with(hash, c), f - T::from(0.0)),
+        (hash_with(hash, c.wrapping_add(1)), f - T::from(1.0)),
+    ]
 }
 
 /// The dot product of a vector with one of the directions to the middles of a cube's twelve edges.
+#[inline(always)]
 fn slope<T: Number>(hash: u64, [x, y, z]: [T; 3]) -> T {
     let edge = hash % 12;
     // Across x and y, x and z, y and z.
