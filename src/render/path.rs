@@ -47,6 +47,11 @@ impl<'i> Path<'i> {
         self.sampler.get(dimension(self.vertex, light, cell))
     }
 
+    /// [`Path::random`] for choices `2 cell` and `2 cell + 1`.
+    pub(super) fn random_pair(&self, light: u64, cell: u64) -> [f64; 2] {
+        self.sampler.get_pair(dimension(self.vertex, light, 2 * cell))
+    }
+
     /// Two numbers for each of four cells of a light from cell `first` on, a multiple of four: [`Path::random`] for choices
     /// `2 cell` and `2 cell + 1`. What is prepared of the light's cells is in `pairs`.
     #[inline(always)]
@@ -68,8 +73,9 @@ impl<'i> Path<'i> {
 
     #[inline(never)]
     fn pairs_one_by_one(&self, light: u64, first: u64) -> [[f64; 4]; 2] {
-        let number = |k| move |i: u64| self.random(light, 2 * (first + i) + k);
-        [[0, 1, 2, 3].map(number(0)), [0, 1, 2, 3].map(number(1))]
+        let pair = |i: u64| self.random_pair(light, first + i);
+        let [[a, b], [c, d], [e, f], [g, h]] = [0, 1, 2, 3].map(pair);
+        [[a, c, e, g], [b, d, f, h]]
     }
 
     /// As [`Path::random`] for the `cell`-th choice about where rays go on from this point.

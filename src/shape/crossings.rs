@@ -25,6 +25,8 @@ pub struct Crossings {
     items: [Crossing; Self::CAPACITY],
     len: usize,
     is_cut: bool,
+    /// One beyond this is the last that is asked for.
+    enough: f64,
 }
 
 impl Default for Crossings {
@@ -33,6 +35,7 @@ impl Default for Crossings {
             items: [Crossing { t: 0.0, part: 0 }; Self::CAPACITY],
             len: 0,
             is_cut: false,
+            enough: f64::INFINITY,
         }
     }
 }
@@ -116,11 +119,25 @@ impl CrossingSink for Crossings {
         self.items[i] = Crossing { t, part };
         self.len += 1;
     }
+
+    #[inline]
+    fn is_served(&self) -> bool {
+        self.as_slice().last().is_some_and(|last| last.t > self.enough)
+    }
 }
 
 impl Crossings {
     /// As many as a line can have with one shape of ours (a torus has up to 4).
     pub const CAPACITY: usize = 4;
+
+    /// No crossings yet; of those beyond `t` only the first is asked for, which spares a shape to look for the others.
+    #[must_use]
+    pub fn until_beyond(t: f64) -> Self {
+        Self {
+            enough: t,
+            ..Self::default()
+        }
+    }
 
     /// Where there is no room for a crossing at `t`, drops the one that matters least; false where that is the new one.
     #[cold]

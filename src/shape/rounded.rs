@@ -147,6 +147,8 @@ pub(super) fn cross_around(half: DVec3, radius: f64, ray: &Ray, out: &mut impl C
     let (bottom, _) = least;
     if value(bottom).0 <= 0.0 {
         out.push(line.t(root_between(value, lo, bottom, true)), 0);
-        out.push(line.t(root_between(value, bottom, hi, false)), 0);
+        if !out.is_served() {
+            out.push(line.t(root_between(value, bottom, hi, false)), 0);
+        }
     }
 }

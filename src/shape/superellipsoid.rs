@@ -117,7 +117,9 @@ impl Superellipsoid {
             let there = value(way);
             if there.0 <= 0.0 {
                 out.push(line.t(root_between(value, lo, way, true)), 0);
-                out.push(line.t(root_between(value, way, hi, false)), 0);
+                if !out.is_served() {
+                    out.push(line.t(root_between(value, way, hi, false)), 0);
+                }
                 return;
             }
             if there.1 < 0.0 {

@@ -119,6 +119,9 @@ impl Torus {
             if is_inside != was_inside {
                 let root = root_between(value, before, x, !was_inside);
                 out.push((shift + root) * (outer / length), 0);
+                if out.is_served() {
+                    return;
+                }
             }
             (before, was_inside) = (x, is_inside);
         }

@@ -130,10 +130,10 @@ fn above((right, up, normal): (DVec3, DVec3, DVec3), (u, v): (f64, f64)) -> DVec
     right * x + up * y + normal * (1.0 - x * x - y * y).max(0.0).sqrt()
 }
 
-/// A point of cell `cell` of n x n, jittered.
-pub(super) fn stratum(n: u32, cell: u32, random: impl Fn(u64) -> f64) -> (f64, f64) {
-    let place = |i: u32, k: u64| (f64::from(i) + random(2 * u64::from(cell) + k)) / f64::from(n);
-    (place(cell % n, 0), place(cell / n, 1))
+/// A point of cell `cell` of n x n, jittered by two random numbers.
+pub(super) fn stratum(n: u32, cell: u32, [across, up]: [f64; 2]) -> (f64, f64) {
+    let place = |i: u32, jitter: f64| (f64::from(i) + jitter) / f64::from(n);
+    (place(cell % n, across), place(cell / n, up))
 }
 
 /// The share of the half sphere above a point, by the cosine, in which nothing is near; for each color, since what is
@@ -160,7 +160,10 @@ pub(in crate::render) fn openness(
     let (right, up) = around(normal);
     let mut sum = Color::ZERO;
     for cell in 0..n * n {
-        let dir = above((right, up, normal), stratum(n, cell, |k| path.random(key, k)));
+        let dir = above(
+            (right, up, normal),
+            stratum(n, cell, path.random_pair(key, cell.into())),
+        );
         // What a smoothed normal lets point below the true surface sees that surface.
         if dir.dot(at.geometric_normal) > 0.0 {
             counts.shadow += 1;

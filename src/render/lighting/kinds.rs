@@ -150,7 +150,7 @@ impl Lit<'_> {
         let n = points.isqrt();
         let mut together = Together::new(self);
         for cell in 0..points {
-            let at = stratum(n, cell, |k| path.random(index as u64, k));
+            let at = stratum(n, cell, path.random_pair(index as u64, cell.into()));
             if let Some(mut sent) = sent(self.world, index, self.at.position, at) {
                 self.fade(&mut sent);
                 sent.arriving /= f64::from(points);

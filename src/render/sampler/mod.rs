@@ -78,6 +78,14 @@ impl Sampler {
         (self.bits(dimension) >> 11) as f64 * UNIT
     }
 
+    /// The numbers of a dimension that is even, and of the next: [`Sampler::get`] of both, in a net for less than twice the work.
+    pub(crate) fn get_pair(&self, dimension: u64) -> [f64; 2] {
+        match self.in_net {
+            Some(index) => net::pair(self.key, index, dimension),
+            None => [self.get(dimension), self.get(dimension + 1)],
+        }
+    }
+
     /// The numbers of four dimensions, whose hashes are known; `None` in a net.
     #[inline(always)]
     pub(crate) fn get_four<L: Exact>(&self, lanes: L, dimensions: &[Hashed; 4]) -> Option<Four<L>> {

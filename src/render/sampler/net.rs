@@ -10,14 +10,54 @@ use super::mix;
 #[cold]
 #[inline(never)]
 pub(super) fn number(key: u64, index: u32, dimension: u64) -> f64 {
-    let pair = mix(key ^ mix(dimension >> 1));
-    let shuffled = scrambled(index.reverse_bits(), pair as u32).reverse_bits();
-    let reversed = match dimension & 1 {
-        0 => shuffled,
-        _ => second_reversed(shuffled),
-    };
-    let seed = mix(pair ^ (dimension & 1)) >> 32;
-    f64::from(scrambled(reversed, seed as u32).reverse_bits()) * (1.0 / (1u64 << 32) as f64)
+    let point = Point::new(key, index, dimension);
+    match dimension & 1 {
+        0 => point.first(),
+        _ => point.second(),
+    }
+}
+
+/// The numbers in a dimension that is even and in the next.
+#[cold]
+#[inline(never)]
+pub(super) fn pair(key: u64, index: u32, dimension: u64) -> [f64; 2] {
+    let point = Point::new(key, index, dimension);
+    [point.first(), point.second()]
+}
+
+/// A point in a pair of dimensions.
+struct Point {
+    /// The hash of pixel and dimensions.
+    pair: u64,
+    /// Its place in the shuffled order.
+    shuffled: u32,
+}
+
+impl Point {
+    #[inline(always)]
+    fn new(key: u64, index: u32, dimension: u64) -> Self {
+        let pair = mix(key ^ mix(dimension >> 1));
+        Self {
+            pair,
+            shuffled: scrambled(index.reverse_bits(), pair as u32).reverse_bits(),
+        }
+    }
+
+    #[inline(always)]
+    fn first(&self) -> f64 {
+        self.number(0, self.shuffled)
+    }
+
+    #[inline(always)]
+    fn second(&self) -> f64 {
+        self.number(1, second_reversed(self.shuffled))
+    }
+
+    #[inline(always)]
+    fn number(&self, which: u64, reversed: u32) -> f64 {
+        let seed = mix(self.pair ^ which) >> 32;
+        f64::from(scrambled(reversed, seed as u32).reverse_bits()) * (1.0 / (1u64 << 32) as f64)
+    }
 }
 
 /// Sobol's second dimension in 32 bits with the last one first, as the scrambling wants it; of the first dimension that is
@@ -76,6 +116,14 @@ mod tests {
         }
         // A test that could not fail would say nothing.
         assert!(!is_net(&[(0.1, 0.1), (0.2, 0.2)]));
+    }
+
+    #[test]
+    fn pairs_are_the_numbers_of_both_dimensions() {
+        for (key, index, dimension) in (0..1000).map(|i| (mix(i), i as u32 % 300, mix(i + 7) >> 20 << 1)) {
+            let one_by_one = [dimension, dimension + 1].map(|dimension| number(key, index, dimension));
+            assert_eq!(pair(key, index, dimension), one_by_one);
+        }
     }
 
     #[test]

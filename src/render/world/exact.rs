@@ -113,7 +113,12 @@ impl<const ANY: bool> Exact<'_, '_, '_, ANY> {
         if !placed.may_cross(self.ray, self.query.probe.least(number), self.query.best.t) {
             return false;
         }
-        let mut crossings = Crossings::default();
+        let mut crossings = if self.query.probe.starts_on(number) {
+            // Which of them is the start is not told before all are known.
+            Crossings::default()
+        } else {
+            Crossings::until_beyond(self.query.probe.t_min)
+        };
         if let Shape::Isosurface(_) = placed.shape {
             crossings = placed.near_crossings(self.ray, self.query.probe, number, self.query.best.t, true);
         } else {

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::{
-    super::Shape,
+    super::{Crossings, Shape},
     Rng, for_all,
     reference::{distance, edge_distance},
     samples, shared,
@@ -81,6 +81,32 @@ fn a_ray_that_starts_on_the_surface_meets_the_rest() {
     let mut checked = 0;
     for_all(500, |_, case| checked += shared::starts_are_left_out(case));
     assert!(checked > 20_000, "{checked}");
+}
+
+#[test]
+fn the_first_crossing_beyond_a_place_is_found_without_those_after_it() {
+    let mut rng = Rng::new(12);
+    let mut spared = 0;
+    for_all(1000, |shape, case| {
+        let (mut all, span) = (
+            Crossings::default(),
+            case.found.last().map_or(1.0, |met| met.t.abs()),
+        );
+        shape.crossings(&case.ray, &mut all);
+        let places = all
+            .as_slice()
+            .iter()
+            .map(|c| c.t)
+            .chain([f64::NEG_INFINITY, 0.0, span * rng.unit()]);
+        for place in places.collect::<Vec<_>>() {
+            let mut some = Crossings::until_beyond(place);
+            shape.crossings(&case.ray, &mut some);
+            let first = |crossings: &Crossings| crossings.first_within(place, f64::INFINITY);
+            assert_eq!(first(&some), first(&all), "beyond {place}: {case}");
+            spared += all.as_slice().len() - some.as_slice().len();
+        }
+    });
+    assert!(spared > 1000, "{spared}");
 }
 
 #[test]
