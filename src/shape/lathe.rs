@@ -419,10 +419,15 @@ struct Rise<'a> {
 impl Rise<'_> {
     /// How far along the line, from the nearest point, the distance is that of the profile.
     fn way_at(&self, u: f64) -> f64 {
-        if u == self.from.0 && self.from.1 || u == self.to.0 && self.to.1 {
+        if self.is_nearest(u) {
             return 0.0;
         }
         self.along(Bernstein(self.r).at(u).0)
+    }
+
+    /// Whether the part of the piece begins or ends there because the line is nearest to the axis.
+    fn is_nearest(&self, u: f64) -> bool {
+        u == self.from.0 && self.from.1 || u == self.to.0 && self.to.1
     }
 
     fn along(&self, r: f64) -> f64 {
@@ -433,7 +438,8 @@ impl Rise<'_> {
 impl Bounded for Rise<'_> {
     fn at(&self, u: f64) -> (f64, f64) {
         let ((r, r_slope), (y, y_slope)) = (Bernstein(self.r).at(u), Bernstein(self.y).at(u));
-        let (along, rise) = (self.way_at(u), self.side * self.way.rise);
+        let along = if self.is_nearest(u) { 0.0 } else { self.along(r) };
+        let rise = self.side * self.way.rise;
         // NaN where both are 0: the slope is unknown there.
         let growth = if rise == 0.0 { 0.0 } else { rise * (r / along) };
         (y - self.way.from - rise * along, y_slope - growth * r_slope)

@@ -88,8 +88,16 @@ impl<const N: usize> Bernstein<N> {
         clippy::indexing_slicing,
         reason = "indices stay below the N that the loops end at"
     )]
+    #[inline]
     pub(super) fn at(&self, u: f64) -> (f64, f64) {
         let mut c = self.0;
+        // At the ends, where most pieces are found not to matter, nothing is to be mixed.
+        if u == 0.0 {
+            return (c[0], (c[1] - c[0]) * (N - 1) as f64);
+        }
+        if u == 1.0 {
+            return (c[N - 1], (c[N - 1] - c[N - 2]) * (N - 1) as f64);
+        }
         let mut slope = 0.0;
         for n in (1..N).rev() {
             if n == 1 {
@@ -222,7 +230,11 @@ pub(super) fn derivative<const M: usize, const N: usize>(a: &Bernstein<M>) -> Be
 }
 
 /// A cubic on the part of its interval from `lo` to `hi`, stretched to [0, 1] (by its blossom; Farin, 2002, 4.4).
+#[inline]
 pub(super) fn cubic_between(c: &[f64; 4], lo: f64, hi: f64) -> [f64; 4] {
+    if lo == 0.0 && hi == 1.0 {
+        return *c;
+    }
     let mix = |a: f64, b: f64, u: f64| a * (1.0 - u) + b * u;
     let blossom = |u: f64, v: f64, w: f64| {
         let [a, b, c, d] = *c;
