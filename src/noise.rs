@@ -121,14 +121,12 @@ pub(crate) fn in_cell<T: Number>([i, j, k]: [i64; 3], f: [T; 3]) -> T {
             ]
         })
     });
-    let across = |z: usize| {
-        let (low, high) = (
-            lerp(left[0][z], right[0][z], fade[0]),
-            lerp(left[1][z], right[1][z], fade[0]),
-        );
+    let across = |[low, high]: [[T; 2]; 2]| {
+        let [low, high] = [low, high].map(|[left, right]| lerp(left, right, fade[0]));
         lerp(low, high, fade[1])
     };
-    lerp(across(0), across(1), fade[2])
+    let ([[a, b], [c, d]], [[e, f], [g, h]]) = (left, right);
+    lerp(across([[a, e], [c, g]]), across([[b, f], [d, h]]), fade[2])
 }
 
 /// The two sides of a cell that is at `c` along an axis: their hashes, by that of the coordinates before, which the corners

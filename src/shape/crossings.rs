@@ -131,8 +131,7 @@ impl Crossings {
     pub const CAPACITY: usize = 4;
 
     /// No crossings yet; of those beyond `t` only the first is asked for, which spares a shape to look for the others.
-    #[must_use]
-    pub fn until_beyond(t: f64) -> Self {
+    pub(crate) fn until_beyond(t: f64) -> Self {
         Self {
             enough: t,
             ..Self::default()
