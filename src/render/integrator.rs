@@ -149,11 +149,13 @@ pub(super) fn radiance<'w, 'a, O: Observer>(
                         }
                         if world.needs_width {
                             before += (at.position - ray.origin).length();
-                            let width = world.pixel_width(before);
-                            world.measure(hit, ray, at, width);
-                            if world.needs_footprint {
-                                footprint = world.footprint(hit, ray, at, width);
-                                at.footprint = footprint.as_ref();
+                            if at.material.is_textured() {
+                                let width = world.pixel_width(before);
+                                world.measure(hit, ray, at, width);
+                                if world.needs_footprint {
+                                    footprint = world.footprint(hit, ray, at, width);
+                                    at.footprint = footprint.as_ref();
+                                }
                             }
                         }
                     }

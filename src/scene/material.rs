@@ -132,6 +132,21 @@ impl Material {
         self.reflection.unwrap_or(self.specular)
     }
 
+    /// Whether any of its terms has a texture.
+    pub(crate) fn is_textured(&self) -> bool {
+        let terms = [
+            Some(self.ambient),
+            Some(self.emission),
+            Some(self.diffuse),
+            Some(self.specular),
+            self.reflection,
+            Some(self.transmission),
+        ];
+        let finish = self.finish.as_ref();
+        terms.iter().flatten().any(|term| term.texture.is_some())
+            || finish.is_some_and(|finish| finish.textures().iter().any(|(_, texture)| texture.is_some()))
+    }
+
     /// The same with the program's own answer to the light of lamps.
     #[must_use]
     pub fn with_reflectance(mut self, reflectance: impl CustomReflectance + 'static) -> Self {

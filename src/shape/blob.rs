@@ -217,6 +217,9 @@ impl Blob {
                 out.push(line.t(from + (to - from) * u), 0);
                 inside = !inside;
             });
+            if out.is_served() {
+                return;
+            }
             last = to;
         }
         if inside {

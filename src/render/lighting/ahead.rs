@@ -158,10 +158,9 @@ impl Reached {
             let distance = offset.length();
             let towards = offset / distance;
             self.ways[i] = (towards, distance);
+            let (probe, t_max) = shadow_ray(at, hit.number, towards, distance);
             let n = probes.len();
-            (which[n], distances[n]) = (i as u8, distance);
-            let probe;
-            (probe, reach[n]) = shadow_ray(at, hit.number, towards, distance);
+            (which[n], distances[n], reach[n]) = (i as u8, distance, t_max);
             probes.push(probe);
         }
         let n = probes.len();

@@ -469,22 +469,8 @@ impl<'s> World<'s> {
 
     #[inline(never)]
     fn has_texture(&self, material: MaterialId) -> bool {
-        self.scene.materials.get(material.index()).is_some_and(|m| {
-            [
-                Some(m.ambient),
-                Some(m.emission),
-                Some(m.diffuse),
-                Some(m.specular),
-                m.reflection,
-                Some(m.transmission),
-            ]
-            .iter()
-            .flatten()
-            .any(|term| term.texture.is_some())
-                || m.finish
-                    .as_ref()
-                    .is_some_and(|finish| finish.textures().iter().any(|(_, texture)| texture.is_some()))
-        })
+        let material = self.scene.materials.get(material.index());
+        material.is_some_and(|material| material.is_textured())
     }
 
     /// The value of a material's term at a point.
