@@ -115,10 +115,9 @@ impl LineOfBoxes {
             (b.min - self.origin) * self.inverse,
             (b.max - self.origin) * self.inverse,
         );
-        let [x, y, z] = [(low.x, high.x), (low.y, high.y), (low.z, high.z)];
-        let (nearer, farther) = (|(a, b)| smaller(a, b), |(a, b)| larger(a, b));
-        larger(larger(nearer(x), nearer(y)), nearer(z))
-            <= smaller(smaller(farther(x), farther(y)), farther(z))
+        let [x, y, z] = [[low.x, high.x], [low.y, high.y], [low.z, high.z]];
+        let [x, y, z] = [x, y, z].map(|[a, b]| [smaller(a, b), larger(a, b)]);
+        larger(larger(x[0], y[0]), z[0]) <= smaller(smaller(x[1], y[1]), z[1])
     }
 }
 

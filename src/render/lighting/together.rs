@@ -34,7 +34,7 @@ impl<'l, 'a> Together<'l, 'a> {
         }
     }
 
-    /// Lets a shadow ray wait, or traces all that do.
+    /// Lets a shadow ray wait. Those that wait are traced once there is no room for more.
     #[inline(always)]
     fn wait<O: Observer>(
         &mut self,

@@ -1,10 +1,12 @@
 //! The noise of the language, with its gradient and with bounds of both.
 
-use super::interval::Interval;
+use super::{interval::Interval, scalar::Gradient};
 use crate::{
     math::DVec3,
-    noise::{cell_of, in_cell},
+    noise::{Number, cell_of, in_cell},
 };
+
+impl Number for Gradient {}
 
 /// No value is beyond this, nor any slope along an axis: at most 1 by the gradients themselves, and 15/8, the steepest of
 /// the fade, times a difference of at most 3 between two sides of a cell.
@@ -26,7 +28,6 @@ pub(super) fn value(p: DVec3) -> f64 {
 
 /// The noise and its gradient.
 pub(super) fn gradient(p: DVec3) -> (f64, DVec3) {
-    use super::scalar::Gradient;
     let (cell, f) = cell_of(p);
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let [x, y, z] = [0, 1, 2].map(|i: usize| Gradient {

@@ -373,8 +373,6 @@ impl Gradient {
     }
 }
 
-impl crate::noise::Number for Gradient {}
-
 impl From<f64> for Gradient {
     fn from(x: f64) -> Self {
         Self { v: x, d: DVec3::ZERO }
